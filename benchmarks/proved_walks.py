@@ -20,7 +20,7 @@ from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import at_bandwidth, law_for
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native_walk import engine_of_trained

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed, constants
+from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed, constant_rows
 from neuralgaits.certificate.levels.disturbed.margins import LawErrors, decay_matrix, margins
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     error_rate,
@@ -197,14 +197,14 @@ def test_outputs_shrink_from_step_to_step_as_the_decay_of_the_law_says():
     full = _full()
     law = {"torque_gains": (1.0,), "inertia_gains": (1.0,), "rest": 0.0, "decay": 0.6 * GAMMA}
     shape = replace(_held(full, error=0.0), **law)
-    known = {one.name: one.value for one in constants(full, shape)}
+    known = {one.name: one.value for one in constant_rows(full, shape)}
     time, jump = (float(f(full).mid()) for f in (least_time, mismatch))
     after = 0.0
     for _ in range(200):
         kept = np.exp(-0.3 * GAMMA * time) * after + known["kept"]
         after = jump + abs(full.gain) * kept
     assert known["r_end"] == pytest.approx(after, rel=1e-9)
-    exact = {one.name: one.value for one in constants(full, _held(full, error=0.0))}
+    exact = {one.name: one.value for one in constant_rows(full, _held(full, error=0.0))}
     assert known["r_end"] > exact["r_end"]
 
 

@@ -17,7 +17,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     lyapunov_rate,
     premises,
 )
-from neuralgaits.certificate.levels.full_order.words import constants
+from neuralgaits.certificate.levels.full_order.words import constant_rows
 from support.full_order_shape import FENCE, SHAPE, TORSO, UPPER
 
 PROVED = {(p.output, p.low, p.high): 0.1 for p in premises(SHAPE)}
@@ -168,13 +168,13 @@ def test_inequalities_use_the_edges_that_the_boxes_have(crossing):
     boxes = [p for p in premises(shape) if p.output == "full/drift"]
     (low, high) = (boxes[0].low[0], boxes[0].high[0])
     reach = max(Fraction(1) - Fraction(low), Fraction(high) - Fraction(1))
-    found = {c.name: c.value for c in constants(shape)}
+    found = {c.name: c.value for c in constant_rows(shape)}
     assert Fraction(found["sqrt v_sym"]) >= reach * 2**40
     assert found["sqrt v_sym"] <= float(reach * 2**40) * (1.0 + 1e-14) + 1e-300
 
 
 def test_bounds_know_their_side_and_most_sigma_is_what_an_impact_leaves():
-    known = {c.name: c for c in constants(SHAPE, PROVED)}
+    known = {c.name: c for c in constant_rows(SHAPE, PROVED)}
     sides = {name: known[name].side for name in ("inertia", "L_z", "r_bar", "gamma", "w")}
     assert sides == {
         "inertia": "least",
@@ -193,8 +193,8 @@ def test_bounds_know_their_side_and_most_sigma_is_what_an_impact_leaves():
 
 def test_what_outputs_do_not_move_is_tightened_by_nothing():
     shape = replace(SHAPE, barriers=(replace(SHAPE.barriers[0], reading=0.0),))
-    found = {c.name.partition(": ")[2]: c.value for c in constants(shape)}
-    assert found["t"] == 0.0 and constants(SHAPE)
+    found = {c.name.partition(": ")[2]: c.value for c in constant_rows(shape)}
+    assert found["t"] == 0.0 and constant_rows(SHAPE)
 
 
 def test_a_bandwidth_of_nothing_is_an_obstacle():

@@ -47,7 +47,7 @@ def taller(monkeypatch):
     monkeypatch.setattr(theorem_tables, "LEVELS", levels.LEVELS)
     by_number = {level.number: level for level in levels.LEVELS}
     for module in (theorem_tables, check, consistency):
-        monkeypatch.setattr(module, "BY_NUMBER", by_number)
+        monkeypatch.setattr(module, "LEVELS_BY_NUMBER", by_number)
 
 
 def test_an_entry_is_all_that_a_proof_file_and_its_check_need(taller):

@@ -13,7 +13,7 @@ from neuralgaits.control.safeguard import Fault
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
 from neuralgaits.export.compare import agree, float_bound, limits, questions
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.programs import policy_rate
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file

@@ -197,7 +197,7 @@ def test_an_orbit_outside_of_the_fences_is_not_one_of_the_gait(run, monkeypatch)
             return np.stack([0.8 * high + 0.2 * low, high])
 
     monkeypatch.setattr(finding, "PlaneChart", Narrow)
-    found = finding._at(run, {"speed": 0.725}, 0.5)
+    found = finding._orbit_at(run, {"speed": 0.725}, 0.5)
     assert np.isnan(found.orbit.speed_m_s) and "between the fences" in found.orbit.result
     assert len(finding._member(0.725, found).touchdown) == 0
 

@@ -6,7 +6,7 @@ from mujoco import mj_forward
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.control.safeguard import Fault
-from neuralgaits.export import build, statement
+from neuralgaits.export import build, controller_facts
 from neuralgaits.export.standing import Stand, posture
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.sensing import sensed
@@ -202,7 +202,7 @@ def test_a_robot_in_mid_step_walks_on(double, design):
 
 def test_without_a_posture_to_stand_in_a_step_that_does_not_end_damps(design, monkeypatch):
     """Its standing postures are zeros then, which no leg is to be driven to."""
-    monkeypatch.setattr(statement, "standing_postures", lambda robot: None)
+    monkeypatch.setattr(controller_facts, "standing_postures", lambda robot: None)
     robot = SupervisedRobot(design)
     run = open_run(demo.FOLDER)
     z = run.gait.z(np.array([0.5, 0.5]))

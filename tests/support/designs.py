@@ -5,7 +5,7 @@ import numpy as np
 
 from neuralgaits.barriers import specs
 from neuralgaits.control import PAPER, Fblin, Pd, ScheduledPd
-from neuralgaits.export.facts import Design, Origin
+from neuralgaits.export.design import Design, Origin
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.robots import load_robot

@@ -16,7 +16,7 @@ from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
 from neuralgaits.export import output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.fmu.fmu_archive import fmu_file
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.export.source import gait_files

@@ -20,7 +20,7 @@ from neuralgaits.certificate.run_certificate.proved_monitor import (
     walking_set_of,
 )
 from neuralgaits.export import build, output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.monitor_check import CHECKED, MonitorCases
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.export.source import gait_files

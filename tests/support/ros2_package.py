@@ -7,7 +7,7 @@ from pathlib import Path
 
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.board_source import board_files
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.ros2_source import ros2_files

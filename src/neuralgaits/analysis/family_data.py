@@ -15,12 +15,8 @@ from neuralgaits.gait import Orbit
 
 VALUES = 7
 """Number of values of a command over its range: odd, so that the middle is one of them."""
-PHASES = 41
-"""Number of points along the fences."""
 MIDDLE = 0.5
 """Level of the tube from which the search for the first orbit starts."""
-NODES = 30
-"""Steps of the flow over a step of the robot: errors near 1e-9 of z2, at half the time."""
 
 
 class _OrbitAt(NamedTuple):
@@ -51,7 +47,7 @@ def family_data(run: Run) -> Family:
             orbits: list[_OrbitAt] = []
             for value in values:
                 level = orbits[-1].level if orbits else MIDDLE
-                orbits.append(_at(run, middle | {one.name: float(value)}, level))
+                orbits.append(_orbit_at(run, middle | {one.name: float(value)}, level))
             speed = np.array([each.orbit.speed_m_s for each in orbits])
             sweeps.append(CommandSweep(one.name, values, speed))
             if not members:
@@ -60,11 +56,13 @@ def family_data(run: Run) -> Family:
     return Family(tuple(sweeps), tuple(members), run.robot.torso is not None)
 
 
-def _at(run: Run, command: dict[str, float], level: float) -> _OrbitAt:
+def _orbit_at(run: Run, command: dict[str, float], level: float) -> _OrbitAt:
     """Search for the orbit at a command, from a level of the tube there on."""
     steady = run.at(**command)
     chart, motion = PlaneChart(steady.gait, run.spec), motion_of(steady.zero_dynamics)
-    mesh = Mesh.of_gait(chart.start, chart.guard, NODES)
+    # Steps of the flow over a step of the robot: errors near 1e-9 of z2, at half the time.
+    nodes = 30
+    mesh = Mesh.of_gait(chart.start, chart.guard, nodes)
     low, high = 0.5 * chart.section(2) ** 2
     orbit = orbit_near(motion, float(np.sqrt(2.0 * (low + level * (high - low)))), mesh)
     orbit_level = float((0.5 * orbit.fixed_point[1] ** 2 - low) / (high - low))
@@ -77,7 +75,8 @@ def _at(run: Run, command: dict[str, float], level: float) -> _OrbitAt:
 
 def _member(value: float, orbit_at: _OrbitAt) -> Member:
     robot, chart = orbit_at.run.robot, orbit_at.chart
-    phase = np.linspace(0.0, 1.0, PHASES)
+    count = 41  # Number of points along the fences.
+    phase = np.linspace(0.0, 1.0, count)
     orbit = cycle(orbit_at.motion, orbit_at.orbit, orbit_at.mesh).z[:, 0]
     zd = orbit_at.run.zero_dynamics
     theta = (
@@ -88,7 +87,7 @@ def _member(value: float, orbit_at: _OrbitAt) -> Member:
     foot = np.asarray(robot.foot)
     return Member(
         value,
-        chart.z(phase, np.zeros(PHASES))[:, 0],
+        chart.z(phase, np.zeros(count))[:, 0],
         chart.fences(phase),
         orbit,
         skeleton(np.reshape(theta, (-1, len(foot))), foot, robot.torso),

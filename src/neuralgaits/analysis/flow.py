@@ -19,7 +19,7 @@ Quantity = Callable[[np.ndarray], np.ndarray]
 """Function of states [N, 2] (m, kg m^2/s)."""
 STEPS = 60
 """Fifth-order steps over the usual length of a step: errors near 1e-11 of z2."""
-ON_GROUND_M = 1e-15
+GROUND_TOLERANCE_M = 1e-15
 """Distance to the ground below which a foot is on it, to rounding [m]."""
 
 
@@ -96,7 +96,7 @@ def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
     while not finished.all() and y[0, 0] < mesh.last:
         ahead = _step(motion, y, h)
         # A node on the ground is the landing, on whichever side of it rounding puts the foot.
-        now = ~finished & (_foot(motion, ahead) < ON_GROUND_M) & (ahead[:, 0] > 0.0)
+        now = ~finished & (_foot(motion, ahead) < GROUND_TOLERANCE_M) & (ahead[:, 0] > 0.0)
         if now.any():
             end[now] = _landing(motion, y[now], mesh.step)
             finished |= now
@@ -176,6 +176,6 @@ def _landing(motion: FlowQuantities, y: np.ndarray, step: float) -> np.ndarray:
         crossed = value * at_high < 0.0
         low, at_low = np.where(crossed, high, low), np.where(crossed, at_high, 0.5 * at_low)
         high, at_high = middle, value
-        if np.all(np.abs(value) < ON_GROUND_M):
+        if np.all(np.abs(value) < GROUND_TOLERANCE_M):
             break
     return _step(motion, y, high)

@@ -21,11 +21,8 @@ from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, WEIGHTS
 FILE = "figures/data.safetensors"
 VERSION = 1
 """Version of the arrays and their meaning: data of another version are computed again."""
-PHASES, LEVELS = 81, 41
-COLUMNS, ROWS = 61, 41
-WALK_STEPS, WALK_NODES = 4, 30
-AROUND = 0.12
-"""Reach of the plane's grid beyond the tube, in lengths of a step and heights."""
+PHASES = 81
+"""Number of phases of each grid."""
 
 
 def gait_data(run: Run) -> GaitData:
@@ -88,7 +85,7 @@ def compute(run: Run) -> dict[str, np.ndarray]:
 
 
 def _chart(evaluate: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
-    phase, level = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
+    phase, level = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, 41)
     at_phase, at_level = np.meshgrid(phase, level)
     z = tube.z(at_phase, at_level)
     values = evaluate(z.reshape(-1, 2))
@@ -106,7 +103,9 @@ def _chart(evaluate: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
 
 
 def _plane(evaluate: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
-    around = plane(tube, phases=PHASES, lines=(COLUMNS, ROWS), beyond=(AROUND, AROUND))
+    columns, rows = 61, 41
+    reach = 0.12  # Of the grid beyond the tube, in lengths of a step and heights.
+    around = plane(tube, phases=PHASES, lines=(columns, rows), beyond=(reach, reach))
     values = evaluate(around.states)
     return {
         "plane/z1": around.z1,
@@ -114,7 +113,7 @@ def _plane(evaluate: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
         "plane/dz": around.laid_out(values["dz"]),
         "plane/nominal_dz": around.laid_out(values["nominal_dz"]),
         "plane/foot": around.laid_out(values["foot"][:, 1]),
-        "plane/barriers": tube.barriers(values, (ROWS, COLUMNS)),
+        "plane/barriers": tube.barriers(values, (rows, columns)),
     }
 
 
@@ -147,9 +146,9 @@ def _orbit(
 
 def _walks(motion: FlowQuantities, tube: PlaneChart) -> dict[str, np.ndarray]:
     """Return walks that start after an impact near either fence."""
-    phase, mesh = np.zeros(2), Mesh.of_gait(tube.start, tube.guard, WALK_NODES)
+    phase, mesh = np.zeros(2), Mesh.of_gait(tube.start, tube.guard, 30)
     state, pieces = tube.z(phase, np.array([0.05, 0.95])), []
-    for _ in range(WALK_STEPS):
+    for _ in range(4):
         path = swing(motion, state, mesh)
         if not path.landed.all():
             break

@@ -13,9 +13,6 @@ from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.names import JOINTS, ROBOT
 from neuralgaits.runs.shell_words import command, named
 
-MOST = 1e6
-"""Largest rotor inertia or friction of a joint, in SI units: no robot has so much."""
-
 
 class JointFile(NamedTuple):
     """Identified joints of a run's robot.
@@ -62,9 +59,10 @@ def read_joints(run: Run, joints: str | Path) -> JointFile:
         [getattr(joint, name).value for joint in identified.joints]
         for name in ("armature_kg_m2", "damping_nms_rad", "friction_nm")
     ]
-    if not all(0.0 <= value <= MOST for column in columns for value in column):
+    most = 1e6  # Largest rotor inertia or friction of a joint, in SI units: no robot has so much.
+    if not all(0.0 <= value <= most for column in columns for value in column):
         raise InputError(
-            f"--joints: expected rotors and friction from 0 to {MOST:g}, found others in {path}: "
+            f"--joints: expected rotors and friction from 0 to {most:g}, found others in {path}: "
             f"identify them again with `{fit}`"
         )
     return JointFile(JointModel.of_leg(run.robot.n - 1, *columns), sha256(content))

@@ -15,8 +15,6 @@ from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.runs import read_arrays, read_tree, write_tree
 
-_LAYER = "flow.network.biases[{}]"
-
 
 class LearnedResiduals(eqx.Module):
     """Corrections of a robot's model, learned from logs.
@@ -54,8 +52,9 @@ class LearnedResiduals(eqx.Module):
                 f"expected a residual in {path}, found {kind}: give a file that `fit` wrote"
             ) from None
         sizes: list[int] = []
-        while _LAYER.format(len(sizes)) in arrays:
-            sizes.append(arrays[_LAYER.format(len(sizes))].size)
+        layer = "flow.network.biases[{}]"
+        while layer.format(len(sizes)) in arrays:
+            sizes.append(arrays[layer.format(len(sizes))].size)
         if not sizes:
             raise RunError(
                 f"expected a residual in {path}, found other arrays: give a file that `fit` wrote"

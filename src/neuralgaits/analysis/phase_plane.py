@@ -7,9 +7,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.analysis.point_evaluator import PlaneChart
 
-LEAST = 0.02
-"""Smallest share of the lowest fence that a grid reaches: the hip stands still at zero."""
-
 
 class Plane(NamedTuple):
     """Fences and grid of the plane, with P phases, A and B grid lines."""
@@ -48,9 +45,11 @@ def plane(
     fences, length = chart.fences(phase), chart.guard - chart.start
     aside, above = beyond[0] * length, beyond[1] * float(np.ptp(fences))
     low = float(fences.min())
+    # Smallest share of the lowest fence that a grid reaches: the hip stands still at zero.
+    least = 0.02
     return Plane(
         chart.start + phase * length,
         fences,
         np.linspace(chart.start - aside, chart.guard + aside, lines[0]),
-        np.linspace(max(low - above, LEAST * low), float(fences.max()) + above, lines[1]),
+        np.linspace(max(low - above, least * low), float(fences.max()) + above, lines[1]),
     )

@@ -15,10 +15,6 @@ from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 
-NEWTON_STEPS = 25
-DIFFERENCE = 1e-4
-"""Relative change of z2 for the map's slope, whose error is quadratic in it."""
-
 
 def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
     """Find the periodic orbit near a guess by Newton's method on the Poincare map.
@@ -53,8 +49,10 @@ def motion_of(zd: ZeroDynamics) -> FlowQuantities:
 
 def orbit_near(motion: FlowQuantities, z2: float, mesh: Mesh) -> Orbit:
     """Find the periodic orbit near a z2 at the section, by Newton's method."""
-    for _ in range(NEWTON_STEPS):
-        change = DIFFERENCE * z2
+    newton_steps = 25
+    difference = 1e-4  # Relative change of z2 for the map's slope, whose error is quadratic in it.
+    for _ in range(newton_steps):
+        change = difference * z2
         step = returns(motion, z2 + np.array([-change, 0.0, change]), mesh)
         if not np.all(np.isfinite(step.z2)):
             return _failed(f"the step from z2 = {z2:.4g} at z1 = 0 does not come back")
@@ -66,9 +64,10 @@ def orbit_near(motion: FlowQuantities, z2: float, mesh: Mesh) -> Orbit:
             fixed = np.array([0.0, step.z2[1]])
             return Orbit(fixed, slope, period, length, step.before[1], "found")
         # Near an indifferent multiplier Newton's step explodes: walk one step of the gait instead.
-        gap, least_gap = 1.0 - slope, 0.05
+        gap = 1.0 - slope
+        least_gap = 0.05
         z2 += missed / gap if gap > least_gap else missed
-    return _failed(f"no periodic orbit within {NEWTON_STEPS} Newton steps")
+    return _failed(f"no periodic orbit within {newton_steps} Newton steps")
 
 
 class SampledMap(NamedTuple):

@@ -34,7 +34,7 @@ class RecordedGait(NamedTuple):
 def refuse_logs_of_another(run: Run, logs: Iterable[str | Path]) -> None:
     """Refuse logs that another gait than the run's walked. Raises: InputError."""
     for log in map(Path, logs):
-        gait = _of_log(log)
+        gait = _log_gait(log)
         if gait is None or (file := _other_file(run, gait)) is None:
             continue
         again = command("simulate", named(run.path), "--log", named(log))
@@ -50,7 +50,7 @@ def refuse_logs_of_another(run: Run, logs: Iterable[str | Path]) -> None:
 
 def refuse_residual_of_another(run: Run, residual: Path) -> None:
     """Refuse a residual that was learned from another gait than the run's. Raises: InputError."""
-    gait = _of_residual(residual)
+    gait = _residual_gait(residual)
     if gait is None or (file := _other_file(run, gait)) is None:
         return
     raise InputError(
@@ -60,7 +60,7 @@ def refuse_residual_of_another(run: Run, residual: Path) -> None:
     )
 
 
-def _of_log(log: Path) -> RecordedGait | None:
+def _log_gait(log: Path) -> RecordedGait | None:
     """Return the gait that walked a log; None if nothing records it."""
     place = Path(os.path.realpath(log))
     run = place.parent.parent
@@ -78,7 +78,7 @@ def _of_log(log: Path) -> RecordedGait | None:
     return None
 
 
-def _of_residual(residual: Path) -> RecordedGait | None:
+def _residual_gait(residual: Path) -> RecordedGait | None:
     """Return the gait whose logs a residual was learned from; None if nothing records it."""
     place = Path(os.path.realpath(residual))
     if place.name == RESIDUAL and (place.parent / CONFIG).is_file():

@@ -21,8 +21,6 @@ from neuralgaits.runs.hashes import other_file
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL, RESIDUAL
 
 FILE = "figures/residual.safetensors"
-LOGS, STATES = 4, 2500
-"""Largest numbers of logs to read and of states to keep: the picture needs no more."""
 
 
 def residual_data(run: Run) -> ResidualData | None:
@@ -32,7 +30,7 @@ def residual_data(run: Run) -> ResidualData | None:
     """
     trained = run.learned is not None
     path = run.path / (RESIDUAL if trained else LEARNED_RESIDUAL)
-    if not path.is_file() or (not trained and _of_another(run)):
+    if not path.is_file() or (not trained and _is_foreign(run)):
         return None
     gait = gait_data(run)
     of = hashlib.sha256(fingerprint(run).encode() + path.read_bytes()).hexdigest()
@@ -54,7 +52,7 @@ def residual_data(run: Run) -> ResidualData | None:
     return ResidualData(gait, epsilon, visited, trained)
 
 
-def _of_another(run: Run) -> bool:
+def _is_foreign(run: Run) -> bool:
     """Return whether the record of the run's learned residual is about another gait."""
     try:
         recorded = FittedGait.read(run.path / FIT_SUMMARY).sha256
@@ -90,7 +88,8 @@ def _states(run: Run, paths: Sequence[str], place: Path) -> np.ndarray:
             continue
         if z is not None:
             parts.append(z)
-        if len(parts) == LOGS:
+        if len(parts) == 4:  # The picture needs no more logs.
             break
     states = np.concatenate(parts) if parts else np.zeros((0, 2))
-    return states[:: max(len(states) // STATES, 1)]
+    most_states = 2500
+    return states[:: max(len(states) // most_states, 1)]

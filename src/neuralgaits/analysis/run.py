@@ -268,7 +268,7 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
         differ = (key for key, value in described.items() if value != config.described.get(key))
         part = next(differ, "fields")
         why = f"{CONFIG} was altered, or is of another version; restore it or train again"
-        if folder.copy(SPEC).startswith(specs.IN_NO_FILE):
+        if folder.copy(SPEC).startswith(specs.FILELESS_SPEC):
             why = (
                 "the run was trained from a GaitSpec that no file defines; write the spec to "
                 "FILE.py and train with --spec FILE.py:NAME"

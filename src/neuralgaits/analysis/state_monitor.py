@@ -17,10 +17,6 @@ from neuralgaits.programs import POINT, Program, evaluate, fold
 
 NO_NUMBER = -1e30
 """Margin in place of one that is no number, or is below this."""
-_LONGEST_US = 1 << 31
-"""Longest time between ticks that a monitor compares with: a clock of 32 bits wraps around [us]."""
-_AT_ONCE = 1 << 15
-"""States that are evaluated at once."""
 
 
 class CommandSpan(NamedTuple):
@@ -87,8 +83,9 @@ class StateSet:
         """
         count = len(inputs["q"])
         parts = [np.zeros((0, len(self.names)))]
-        for first in range(0, count, _AT_ONCE):
-            some = {name: array[first : first + _AT_ONCE] for name, array in inputs.items()}
+        at_once = 1 << 15  # States that are evaluated at once.
+        for first in range(0, count, at_once):
+            some = {name: array[first : first + at_once] for name, array in inputs.items()}
             with np.errstate(all="ignore"):
                 values = evaluate(self.program, some, POINT, self._folded)
             parts.append(np.concatenate([values["ends"], values["walls"]], axis=1))
@@ -134,7 +131,8 @@ class StateMonitor:
     def hold_us(self) -> int:
         """Return `hold_s` in whole microseconds, rounded down; 0 if none is proved."""
         hold = self.hold_s
-        return 0 if hold is None else min(math.floor(Fraction(hold) * 1_000_000), _LONGEST_US)
+        longest_us = 1 << 31  # A clock of 32 bits wraps around [us].
+        return 0 if hold is None else min(math.floor(Fraction(hold) * 1_000_000), longest_us)
 
     def set_of(self, level: int) -> StateSet:
         """Return the set of a level."""

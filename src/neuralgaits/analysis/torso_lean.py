@@ -12,9 +12,6 @@ from neuralgaits._types import Array, Bool, Float
 from neuralgaits.control.lean_sums import SETTLING_S, can_lean, with_derivative
 from neuralgaits.robots import PlanarBiped
 
-_TOGETHER = 256
-"""Ticks that are evaluated at once."""
-
 
 def leans_of(
     robot: PlanarBiped,
@@ -38,7 +35,7 @@ def leans_of(
         return None
     middles, changes = 0.5 * (q[1:] + q[:-1]), np.diff(q, axis=0)
     rates = partial(_with_derivatives, robot)
-    (z, w), (x, c) = in_blocks(rates, _TOGETHER, middles, changes)
+    (z, w), (x, c) = in_blocks(rates, 256, middles, changes)
     weight = float(robot.mass * robot.gravity)
     at, passed = 0.5 * (time[1:] + time[:-1]), np.diff(time)
     starts = np.flatnonzero(touchdown)

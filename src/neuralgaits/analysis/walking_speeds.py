@@ -13,13 +13,8 @@ from neuralgaits.robots import PlanarBiped
 FROUDE = 1.0
 """v^2 / (g L) at which a hip on a stiff leg needs no floor: beyond, feet leave it, a robot runs
 (Alexander, Physiological Reviews 69, 1989, section on walking as an inverted pendulum)."""
-SLOWEST = 0.05
-"""Slowest speed, as a share of that at which feet leave the floor: a choice, below all that was
-trained here."""
 LONGEST_STEP = 1.0
 """Longest step in leg lengths: legs 60 degrees apart at touchdown."""
-LEGS_M = (0.02, 20.0)
-"""Shortest and longest legs that are likely to be meant (m); else a file may be in millimetres."""
 
 
 def fastest_by_gravity(robot: PlanarBiped) -> float:
@@ -57,11 +52,14 @@ def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -
     lowest, highest = (min(speed), max(speed)) if isinstance(speed, tuple) else (speed, speed)
     gravity, torque = fastest_by_gravity(robot), fastest_by_torque(robot)
     most = min(gravity, torque)
-    if lowest < SLOWEST * gravity:
+    # Slowest speed, as a share of that at which feet leave the floor: a choice, below all that was
+    # trained here.
+    slowest = 0.05
+    if lowest < slowest * gravity:
         return (
             f"no gait at {lowest:g} m/s is likely for {robot.name}, training goes on all the same: "
             "on point feet the hip hardly comes over the standing foot; ask for more than "
-            f"{SLOWEST * gravity:.2g} m/s"
+            f"{slowest * gravity:.2g} m/s"
         )
     if not highest > most:
         return None
@@ -98,7 +96,8 @@ def length_doubt(robot: PlanarBiped, step_length: tuple[float, float] | None) ->
 
 def size_doubt(robot: PlanarBiped) -> str | None:
     """Say why the lengths of a robot file may be in another unit than metres; None if they fit."""
-    least, most = LEGS_M
+    # Shortest and longest legs that are likely to be meant (m); else a file may be in millimetres.
+    least, most = 0.02, 20.0
     if least <= robot.leg_length <= most:
         return None
     return (

@@ -22,10 +22,6 @@ from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 
-NODES = 16
-"""Steps of the flow over a step of the robot: errors near 1e-8 of z2."""
-
-
 FlowByCommands = Callable[[Float[np.ndarray, " 2p"]], FlowQuantities]
 """Function from the commands of a step, those before and those after, to its flow."""
 
@@ -69,7 +65,8 @@ def _walk_under(
     names = [command.name for command in run.trained.commands]
     first = run.at(**dict(zip(names, map(float, sequence[0]), strict=True)))
     chart = PlaneChart(first.gait, run.spec)
-    mesh = Mesh.of_gait(chart.start, chart.guard, NODES)
+    nodes = 16  # Steps of the flow over a step of the robot: errors near 1e-8 of z2.
+    mesh = Mesh.of_gait(chart.start, chart.guard, nodes)
     z, before = chart.z(np.zeros(2), np.array([0.0, 1.0])), sequence[0]
     momenta, paths = [z[:, 1]], []
     with np.errstate(all="ignore"):

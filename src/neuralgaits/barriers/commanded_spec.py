@@ -34,15 +34,17 @@ if TYPE_CHECKING:
 SPEED_CHANGE = 0.12
 """Largest change of speed a step, as a share of its range: a return map that contracts by 0.7 lets
 a tube follow a change of about 0.4 of its width a step."""
-START_WIDTH, SIDES = 0.17, (-1.0, 1.0)
+START_WIDTH = 0.17
 """Half width of the first tube, in shares of the speed."""
+SIDES = (-1.0, 1.0)
+"""Signs of that half width on the lower and the upper fence."""
 MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
 """Rows at which aims are evaluated: any will do, since an aim reads the whole middle."""
 SLOWEST = 0.4
 """Least rate of z1 anywhere in a tube, as a share of the lowest requested mean speed."""
 
 
-class ForCommand(NamedTuple):
+class CommandTraining(NamedTuple):
     """Requirements of one command on the training.
 
     Attributes:
@@ -58,7 +60,7 @@ class ForCommand(NamedTuple):
 
 # Tubes that are to fit many speeds give way at a lower fence that falls to zero; those that
 # are to take little torque, at all fences.
-_MANY_SPEEDS = ForCommand(
+_MANY_SPEEDS = CommandTraining(
     {
         "forward": 5.0,
         "flow-above-lower-fence": 3.0,
@@ -69,30 +71,19 @@ _MANY_SPEEDS = ForCommand(
     effort=4.0,
     steps=6500,
 )
-FOR_COMMANDS = {
+COMMAND_TRAINING = {
     "speed": _MANY_SPEEDS,
     # A belief that is off by a centimetre is off by a tenth of the speed.
     LEAN: _MANY_SPEEDS,
     # Where any foothold may follow any, the reset gives way, and a foot that leaves the longest and
     # highest step for the shortest does not rise.
-    "step_length": ForCommand(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
+    "step_length": CommandTraining(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
 }
-FENCES = "fence-lower", "fence-upper"
-"""Regions with twice the samples: a violation missed there is missed next to the start of a step,
-where the network has no effect."""
-SHORTEST = 0.9
-"""Least step length, as a share of the shortest requested: footholds are met exactly."""
-APART = 0.1
-"""Scale of how far the fences are from zero and from each other, in the unit of zeta."""
-MORE_SAMPLES, LEARNING_RATE = 2, 3e-3
 
 Interval = tuple[float, float]
 """Lower and upper end of a range."""
 _LARGEST_CHANGES = {"speed": SPEED_CHANGE, "slope": SPEED_CHANGE}
 """Largest changes as shares of the range; footholds may follow each other freely."""
-LEAN_CHANGE = 4.8e-3
-"""Largest change of a believed lean a step, or half its range if that is less [m]: for AMBER-3M it
-asks of a tube what a change of speed by 0.042 m/s does."""
 LEAN_ERROR = 3e-3
 """How far the torso may be from the belief [m]: AMBER-3M walks 0.027 m/s faster or slower then."""
 
@@ -118,7 +109,10 @@ def commands_of(**ranges: Interval | None) -> Commands:
 def _largest_change(name: str, width: float) -> float:
     """Return the largest change of a command with such a range; 0 where any may follow any."""
     if name == LEAN:
-        return min(LEAN_CHANGE, 0.5 * width)
+        # Largest change of a believed lean a step, or half its range if that is less [m]: for
+        # AMBER-3M it asks of a tube what a change of speed by 0.042 m/s does.
+        lean_change = 4.8e-3
+        return min(lean_change, 0.5 * width)
     return _LARGEST_CHANGES.get(name, 0.0) * width
 
 
@@ -152,19 +146,23 @@ def commanded(
     lowest = {command.name: command.low for command in commands}
     if speed is not None:
         lowest["speed"] = speed
+    # Least step length, as a share of the shortest requested: footholds are met exactly.
+    shortest = 0.9
     plain = walking(
         robot,
         forward=SLOWEST * lowest["speed"] if "speed" in lowest else None,
-        shortest=SHORTEST * lowest["step_length"] if "step_length" in lowest else None,
+        shortest=shortest * lowest["step_length"] if "step_length" in lowest else None,
         highest=_highest(commands),
     )
     aims = _middle_aims()
     if "speed" in lowest:
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
-    additions = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
+    additions = [COMMAND_TRAINING.get(command.name, CommandTraining()) for command in commands]
     weights = {name: value for one in additions for name, value in one.weights.items()}
+    # Scale of how far the fences are from zero and from each other, in the unit of zeta.
+    apart = 0.1
     return replace(
-        plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
+        plain.with_conditions(FencesApart("fences-apart", "fence-lower", apart)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
         new_gait=partial(_new_gait, robot, commands, speed, z2_dependence=z2_dependence),
         recipe=_recipe(plain.recipe, additions),
@@ -175,14 +173,17 @@ def commanded(
     )
 
 
-def _recipe(plain: Recipe, additions: list[ForCommand]) -> Recipe:
+def _recipe(plain: Recipe, additions: list[CommandTraining]) -> Recipe:
     """Return how a family is trained, from how a single gait is, and what its commands ask for."""
-    samples = {name: MORE_SAMPLES * count for name, count in plain.samples.items()}
+    samples = {name: 2 * count for name, count in plain.samples.items()}
+    # With twice the samples: a violation missed there is missed next to the start of a step, where
+    # the network has no effect.
+    fences = ("fence-lower", "fence-upper")
     return replace(
         plain,
         steps=max(one.steps for one in additions),
-        samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in FENCES},
-        learning_rate=LEARNING_RATE,
+        samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in fences},
+        learning_rate=3e-3,
         effort=min(one.effort for one in additions),
         curriculum=0.5,
         corners=0.35,
@@ -237,10 +238,10 @@ def _new_gait_at(
 ) -> Gait:
     gait = walking(robot).new_gait(key, init, hidden)
     assert isinstance(gait, Gait)
-    return Gait(gait.policy, _at_speed(robot, gait.tube, speed))
+    return Gait(gait.policy, _tube_at(robot, gait.tube, speed))
 
 
-def _at_speed(robot: "PlanarBiped", tube: Tube, speed: float) -> Tube:
+def _tube_at(robot: "PlanarBiped", tube: Tube, speed: float) -> Tube:
     """Return a tube around the walks of a linear inverted pendulum at a mean speed (m/s)."""
     lower, upper = np.array(tube.lower), np.array(tube.upper)
     lower[0], upper[0] = (_energy(robot, side, speed**2) for side in SIDES)
@@ -268,7 +269,7 @@ def _new_gait(
     guard = walking_posture(robot).z_guard
     first = start_tube(robot, None, (-guard, guard))
     if speed is not None:
-        first = _at_speed(robot, first, speed)
+        first = _tube_at(robot, first, speed)
     tube = CommandedTube.around(first, commands)
     for i, command in enumerate(commands):
         if command.name == "speed":

@@ -26,14 +26,8 @@ if TYPE_CHECKING:
 NAME = "hzd"
 FENCE_DEGREE = 16
 """Degree of the fences' Chebyshev series: an orbit is met to 1e-6 of its zeta or better."""
-LEAN = 0.35
-"""Largest lean of the torso to either side [rad]: 20 degrees, more than in any published gait of
-such robots."""
 LIFT_OFF, LANDING = 0.05, 0.95
 """Phases between which the foot must be above the ground: at the ends it is on it."""
-OUTPUT_ERROR, RATE_ERROR = 1e-3, 2e-2
-"""Errors of outputs [rad] and of their rates [rad/s of the reference robot's time] that the real
-impact may leave: levels 1 to 3 set them to zero again. Those of spec `walking-mlp`."""
 
 
 def hzd(robot: "PlanarBiped", degree: int) -> GaitSpec:
@@ -92,9 +86,12 @@ def _stance(robot: "PlanarBiped") -> list[Barrier | Pointwise]:
     if robot.torso is not None:
         # Class-K gain of that barrier, in units of the reference robot's time [1/s].
         alpha, scale = 10.0 / unit.time, 3.3 / unit.time
+        # Largest lean of the torso to either side [rad]: 20 degrees, more than in any published
+        # gait of such robots.
+        lean = 0.35
         conditions += [
-            Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, -LEAN), alpha),
-            Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, LEAN), alpha),
+            Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, -lean), alpha),
+            Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, lean), alpha),
         ]
     inertia = 20.0 * unit.mass_kg * unit.length / REFERENCE_MASS_KG
     lower, upper = np.asarray(robot.joint_lower), np.asarray(robot.joint_upper)
@@ -139,7 +136,10 @@ def _guard(robot: "PlanarBiped") -> list[Pointwise | Equality]:
     unit = units(robot)
     push, cone = 5.0 * unit.mass_kg * unit.speed / REFERENCE_MASS_KG, float(robot.friction)
     step, speed = 0.3 * unit.length, 0.5 * unit.speed
-    rate = RATE_ERROR / unit.time
+    # Errors of outputs [rad] and of their rates [rad/s of the reference robot's time] that the real
+    # impact may leave: levels 1 to 3 set them to zero again. Those of spec `walking-mlp`.
+    output_error = 1e-3
+    rate = 2e-2 / unit.time
     return [
         Pointwise("step-length", "guard", step, f.at_least(f.foot_forward, 0.0)),
         Pointwise("impulse", "guard", push, f.at_least(f.normal_impulse, 0.0)),
@@ -147,6 +147,6 @@ def _guard(robot: "PlanarBiped") -> list[Pointwise | Equality]:
         Pointwise("impulse-backward", "guard", cone * push, f.impulse_cone_backward(cone)),
         Pointwise("old-foot-leaves", "guard", 0.4 * speed, f.at_least(f.old_foot_lift, 0.0)),
         Pointwise("foot-lands", "guard", speed, f.at_most(f.foot_vertical_velocity, 0.0)),
-        Equality("output-match", "guard", 0.02, f.output_mismatch, OUTPUT_ERROR),
+        Equality("output-match", "guard", 0.02, f.output_mismatch, output_error),
         Equality("rate-match", "guard", 20.0 * rate, f.rate_mismatch, rate),
     ]

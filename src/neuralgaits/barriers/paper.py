@@ -27,12 +27,6 @@ if TYPE_CHECKING:
 
 HIP_SPAN_M = 0.2
 """Samples are drawn from z1 in +- this span [m]."""
-ENERGIES = (0.0, 1.0)
-"""Range of the sampled orbital energies [m^2/s^2]."""
-PENDULUM_HEIGHT_M = 0.9
-OUTPUT_LOWER = np.array([0.2, -1.0, -1.0, 0.2])
-OUTPUT_UPPER = np.array([1.5, 1.0, 1.0, 1.5])
-INPUT_SCALE = np.array([0.3, 50.0])
 CIRCLE_CENTRE, CIRCLE_RADIUS = (0.05, -0.6517), 0.6980
 """Circle through (-0.2, 0), (0.3, 0) and (0.2, 0.03) [m]."""
 BATCH = 4096
@@ -138,11 +132,13 @@ def _new_gait(
         key=key,
         hidden=hidden or (256, 256),
         activation="relu",
-        bounds=(OUTPUT_LOWER, OUTPUT_UPPER),
-        inputs=(INPUT_SCALE, np.zeros(2)),
+        bounds=(np.array([0.2, -1.0, -1.0, 0.2]), np.array([1.5, 1.0, 1.0, 1.5])),
+        inputs=(np.array([0.3, 50.0]), np.zeros(2)),
     )
     span = (-HIP_SPAN_M, HIP_SPAN_M)
-    tube = Tube.between_energies(robot, ENERGIES, height=PENDULUM_HEIGHT_M, span=span)
+    energies = (0.0, 1.0)  # Range of the sampled orbital energies [m^2/s^2].
+    height_m = 0.9
+    tube = Tube.between_energies(robot, energies, height=height_m, span=span)
     return Gait(policy, tube)
 
 

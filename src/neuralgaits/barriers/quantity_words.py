@@ -32,9 +32,6 @@ class QuantityWords:
 QUANTITIES: dict[str, QuantityWords] = {}
 """Every quantity of this package, by its name in `functions`."""
 _ATTRIBUTE = "quantity_words"
-_OF_PACKAGE = tuple(
-    f"neuralgaits.barriers.{name}" for name in ("functions", "quantities", "feet_quantities")
-)
 
 
 def quantity(
@@ -56,7 +53,9 @@ def quantity(
         setattr(formula, _ATTRIBUTE, words)
         # A proof file describes these by name, and readers know their formulas: no other module
         # gives a name a meaning.
-        if formula.__module__ in _OF_PACKAGE:
+        package, _, module = formula.__module__.rpartition(".")
+        modules = ("functions", "quantities", "feet_quantities")
+        if package == "neuralgaits.barriers" and module in modules:
             # A class has the name of its function: `KneeBend` is `knee_bend`.
             name = re.sub("(?<=[a-z])(?=[A-Z])", "_", formula.__name__).lower()
             QUANTITIES[name] = words

@@ -24,18 +24,6 @@ from neuralgaits.robots.parameter_box import GROUND, Box, checked_box
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
-STEPS = 3000
-"""Gradient steps: many, since each sample is of another robot."""
-STRIP, MOST_STRIP = 7.5, 0.09
-"""Phases around the guard in which the foot goes through a metre of heights, and the most there can
-be: AMBER-3M's foot falls at 0.5 m/s, and takes 6.5."""
-FALLS = "guard-transversal"
-FALL = 0.45
-"""Least speed of a foot that comes to a floor of unknown height, for the reference robot [m/s]: so
-the strip in which it may meet the floor is short."""
-MORE_GUARD, WEIGHT = 3, 2.0
-"""Factor of the samples of that strip, and weight of the conditions that resets from it land in."""
-
 
 def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
     """Return the default specification of a gait for every robot of a box.
@@ -60,21 +48,28 @@ def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
         recipe, new_gait = plain.recipe, plain.new_gait
     else:
         plain = walking(robot)
-        recipe = replace(plain.recipe, steps=STEPS)
+        steps = 3000  # Gradient steps: many, since each sample is of another robot.
+        recipe = replace(plain.recipe, steps=steps)
         new_gait = partial(new_hybrid_invariant, robot, z2_dependence=False)
     if "floor" in box:
-        strip = min(STRIP * box["floor"] * REFERENCE_LEG_M / robot.leg_length, MOST_STRIP)
-        samples = dict(recipe.samples) | {"guard": MORE_GUARD * recipe.samples["guard"]}
+        # Phases around the guard in which the foot goes through a metre of heights: AMBER-3M's foot
+        # falls at 0.5 m/s, and takes 6.5.
+        a_metre = 7.5
+        strip = min(a_metre * box["floor"] * REFERENCE_LEG_M / robot.leg_length, 0.09)
+        samples = dict(recipe.samples) | {"guard": 3 * recipe.samples["guard"]}
         overshoot = strip, recipe.overshoot[1]
         recipe = replace(recipe, strip=strip, overshoot=overshoot, samples=samples)
-        fall = at_most(foot_vertical_velocity, -FALL * units(robot).speed)
+        # Least speed of a foot that comes to a floor of unknown height, for the reference robot
+        # [m/s]: so the strip in which it may meet the floor is short.
+        least_speed = 0.45
+        fall = at_most(foot_vertical_velocity, -least_speed * units(robot).speed)
         plain = replace(
             plain,
             conditions=tuple(
-                replace(one, function=fall) if one.name == FALLS else one
+                replace(one, function=fall) if one.name == "guard-transversal" else one
                 for one in plain.conditions
             ),
-            weights=dict(plain.weights) | dict.fromkeys(RESETS, WEIGHT),
+            weights=dict(plain.weights) | dict.fromkeys(RESETS, 2.0),
         )
     return replace(
         plain,

@@ -18,24 +18,6 @@ if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 NAME = "rugged"
-SPEED = 1.06
-"""Requested mean speed of the reference robot [m/s]. At a higher speed, pushes do less harm and
-floors more."""
-EFFORT, TORQUES, AT_FENCES = 1.0, 4.0, 4.0
-"""Weight of the mean squared torque, five times the plain walk's, and factors of the losses of
-torque limits and of fences and resets: where the floor is uneven, torques run out."""
-CLEARANCE = 0.032
-"""Height of the arc that the swing foot stays above, of the reference robot [m]: a foothold 25 mm
-higher is under it."""
-FALL = 0.5
-"""Least speed of the foot at the guard, of the reference robot [m/s]."""
-STRIP = 0.1
-"""Phases before and behind the guard that its conditions are trained on, and the whole tube's
-beyond both its ends."""
-WIDTH = 0.36
-"""Least width of the tube, in shares of its z2."""
-STEPS, MORE_GUARD, LARGEST_GRADIENT = 3000, 3, 5.0
-"""Gradient steps, factor of the samples of the guard, and norm that gradients are clipped to."""
 
 
 def rugged(robot: "PlanarBiped") -> GaitSpec:
@@ -44,25 +26,32 @@ def rugged(robot: "PlanarBiped") -> GaitSpec:
     Args:
         robot: with knees.
     """
-    plain = at_speed(robot, SPEED * units(robot).speed)
+    # Requested mean speed of the reference robot [m/s]. At a higher speed, pushes do less harm and
+    # floors more.
+    speed = 1.06
+    plain = at_speed(robot, speed * units(robot).speed)
     recipe = plain.recipe
-    samples = dict(recipe.samples) | {"guard": MORE_GUARD * recipe.samples["guard"]}
+    samples = dict(recipe.samples) | {"guard": 3 * recipe.samples["guard"]}
+    # Phases before and behind the guard that its conditions are trained on, and the whole tube's
+    # beyond both its ends.
+    strip = 0.1
     return replace(
         plain,
         name=NAME,
         conditions=tuple(_harder(robot, one) for one in plain.conditions),
         recipe=replace(
             recipe,
-            steps=STEPS,
-            effort=EFFORT,
-            strip=STRIP,
-            overshoot=(STRIP, recipe.overshoot[1]),
+            steps=3000,
+            effort=1.0,  # Weight of the mean squared torque, five times the plain walk's.
+            strip=strip,
+            overshoot=(strip, recipe.overshoot[1]),
             samples=samples,
-            largest_gradient=LARGEST_GRADIENT,
+            largest_gradient=5.0,
         ),
+        # Where the floor is uneven, torques run out.
         weights=dict(plain.weights)
-        | dict.fromkeys(("torque-lower", "torque-upper"), TORQUES)
-        | dict.fromkeys((*FLOWS, *RESETS), AT_FENCES),
+        | dict.fromkeys(("torque-lower", "torque-upper"), 4.0)
+        | dict.fromkeys((*FLOWS, *RESETS), 4.0),
     )
 
 
@@ -70,9 +59,14 @@ def _harder(robot: "PlanarBiped", condition: AbstractCondition) -> AbstractCondi
     """Return a condition of the plain walk with this spec's numbers."""
     unit = units(robot)
     if condition.name == "foot-clears":
-        return replace(condition, function=f.foot_above_arc(CLEARANCE * unit.length))
+        # Height of the arc that the swing foot stays above, of the reference robot [m]: a foothold
+        # 25 mm higher is under it.
+        clearance = 0.032
+        return replace(condition, function=f.foot_above_arc(clearance * unit.length))
     if condition.name == "guard-transversal":
-        return replace(condition, function=f.at_most(f.foot_vertical_velocity, -FALL * unit.speed))
+        fall = 0.5  # Least speed of the foot at the guard, of the reference robot [m/s].
+        return replace(condition, function=f.at_most(f.foot_vertical_velocity, -fall * unit.speed))
     if condition.name == "tube-width":
-        return TubeWidth(condition.name, condition.region, WIDTH, WIDTH)
+        width = 0.36  # Least width of the tube, in shares of its z2.
+        return TubeWidth(condition.name, condition.region, width, width)
     return condition

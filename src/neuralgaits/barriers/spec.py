@@ -22,8 +22,6 @@ from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.robots.mjcf.parameters import ParameterAxis
 
 Init = Literal["posture", "random"]
-_FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient", "strip")
-"""Fields of a recipe that are not described for a spec without commands, on one floor."""
 
 
 @dataclass(frozen=True)
@@ -228,7 +226,9 @@ class GaitSpec:
         user's own functions by their names alone.
         """
         recipe = asdict(self.recipe)
-        for name in _FOR_COMMANDS:
+        # Fields of a recipe that are not described for a spec without commands, on one floor.
+        of_commands = "curriculum widened faster_changes corners largest_gradient strip"
+        for name in of_commands.split():
             if not recipe[name]:
                 del recipe[name]
         described = {

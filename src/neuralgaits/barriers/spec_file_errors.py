@@ -21,10 +21,6 @@ from neuralgaits.gait import Point
 
 PREFIX = "neuralgaits_user_"
 """Prefix of the names of modules that are made of users' files."""
-_TRACER = re.compile(r"'\w*Tracer'")
-"""Text of an array while JAX traces."""
-_LONGEST = 300
-"""Largest number of characters of a foreign message; JAX writes paragraphs."""
 
 
 @contextlib.contextmanager
@@ -91,7 +87,9 @@ def reason(error: BaseException) -> str:
     if isinstance(error, AttributeError) and name and owner is not None:
         return _without(owner, str(name))
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    message = _TRACER.sub("'array'", lines[0])[:_LONGEST].rstrip(".") if lines else ""
+    tracer = re.compile(r"'\w*Tracer'")  # Text of an array while JAX traces.
+    longest = 300  # Largest number of characters of a foreign message; JAX writes paragraphs.
+    message = tracer.sub("'array'", lines[0])[:longest].rstrip(".") if lines else ""
     return f"{type(error).__name__}: {message}" if message else type(error).__name__
 
 

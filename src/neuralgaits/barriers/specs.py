@@ -42,7 +42,9 @@ __all__ = [
 P = ParamSpec("P")
 
 
-def _of_robot(make: Callable[P, GaitSpec], *, flat_feet: bool = False) -> Callable[P, GaitSpec]:
+def _robot_checked(
+    make: Callable[P, GaitSpec], *, flat_feet: bool = False
+) -> Callable[P, GaitSpec]:
     """Refuse anything but a robot as the first argument of a spec, and flat feet unless allowed.
 
     A spec of point feet says nothing of soles: its gaits would tip. Raises: InputError, SpecError.
@@ -76,15 +78,15 @@ def _refuse_no_robot(robot: object) -> None:
         )
 
 
-at_speed = _of_robot(_commanded_spec.at_speed)
-authors = _of_robot(_paper.authors)
-commanded = _of_robot(_commanded_spec.commanded)
-flat_footed = _of_robot(_flat_feet.flat_footed, flat_feet=True)
-hzd = _of_robot(_hzd.hzd)
-paper = _of_robot(_paper.paper)
-paper_walks = _of_robot(_paper.paper_walks)
-robust = _of_robot(_robust.robust)
-rugged = _of_robot(_rugged.rugged)
+at_speed = _robot_checked(_commanded_spec.at_speed)
+authors = _robot_checked(_paper.authors)
+commanded = _robot_checked(_commanded_spec.commanded)
+flat_footed = _robot_checked(_flat_feet.flat_footed, flat_feet=True)
+hzd = _robot_checked(_hzd.hzd)
+paper = _robot_checked(_paper.paper)
+paper_walks = _robot_checked(_paper.paper_walks)
+robust = _robot_checked(_robust.robust)
+rugged = _robot_checked(_rugged.rugged)
 
 
 @wraps(_walking.walking)
@@ -97,7 +99,7 @@ def _walking_on_its_feet(robot: PlanarBiped, *args: Any, **kwargs: Any) -> GaitS
     return _flat_feet.flat_footed(robot)
 
 
-walking = _of_robot(_walking_on_its_feet, flat_feet=True)
+walking = _robot_checked(_walking_on_its_feet, flat_feet=True)
 
 
 class BuiltInSpec(NamedTuple):
@@ -147,7 +149,7 @@ BUILT_IN = {
 """Specs by the names that `train --spec` takes."""
 GIVEN = _hzd.NAME
 """Name of the spec of given gaits, which cannot be trained."""
-IN_NO_FILE = "# A GaitSpec made in Python"
+FILELESS_SPEC = "# A GaitSpec made in Python"
 """First words of the file that a run keeps of a spec that no file defines."""
 
 

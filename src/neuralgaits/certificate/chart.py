@@ -48,9 +48,10 @@ class CommandRange(Protocol):
 
 
 Commands = Iterable[CommandRange]
-BELIEVED, NEAR_BELIEF = "lean", " beyond the belief (error in m)"
-"""Command that says which robot the gait believes in, and the end of the name of the axis that says
-how far the robot is from it."""
+BELIEVED = "lean"
+"""Command that says which robot the gait believes in."""
+NEAR_BELIEF = " beyond the belief (error in m)"
+"""End of the name of the axis that says how far the robot is from that belief."""
 
 
 class Axis(NamedTuple):
@@ -75,8 +76,6 @@ class CoupledAxes(NamedTuple):
 
 PHASE, LEVEL = Axis("phase", -0.1, 1.1), Axis("level", 0.0, 1.0)
 """Strips before the start of a step and behind its guard belong to the chart."""
-NARROWER = Axis("phase", -0.05, 1.05)
-"""Phase axis in files of earlier versions; a statement is about its own box, whatever the axis."""
 WALKER = (PHASE, LEVEL)
 """Axes of a walker's state."""
 
@@ -213,7 +212,9 @@ class Chart:
             if any(axis.change is not None for axis in axes):
                 raise ValueError("a chart without phase and level whose axes are coupled")
             return cls(state=tuple(axes))
-        if axes[0] not in (PHASE, NARROWER) or axes[1] != LEVEL:
+        # Of files of earlier versions; a statement is about its own box, whatever the axis.
+        narrower = Axis("phase", -0.05, 1.05)
+        if axes[0] not in (PHASE, narrower) or axes[1] != LEVEL:
             raise ValueError("a chart that does not begin with phase and level as they are")
         if axes[PLANE:] and axes[PLANE].change is not None:
             raise ValueError(f"the axis {axes[PLANE].name} with a change from {LEVEL.name}")

@@ -23,9 +23,6 @@ from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.parameters import Model, model_of, nominal_robot
 
-GUARD_LEVELS = 33
-"""Number of levels of the guard at which the impact is evaluated."""
-
 
 def trace_spec(
     spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
@@ -86,9 +83,10 @@ def after_impact(
         program = trace(errors, {"u": (PLANE + 2 * len(gait.commands),)})
     except SpecError:
         return None
-    guard = np.stack([np.ones(GUARD_LEVELS), np.linspace(0.0, 1.0, GUARD_LEVELS)], axis=1)
+    guard_levels = 33  # Number of levels of the guard at which the impact is evaluated.
+    guard = np.stack([np.ones(guard_levels), np.linspace(0.0, 1.0, guard_levels)], axis=1)
     pairs = all_pairs(gait.commands, 2)
-    guard = np.concatenate([np.hstack([guard, np.tile(v, (GUARD_LEVELS, 1))]) for v in pairs])
+    guard = np.concatenate([np.hstack([guard, np.tile(v, (guard_levels, 1))]) for v in pairs])
     # Commands at which the robot has no such posture give NaN, which the caller judges.
     with np.errstate(invalid="ignore"):
         values = evaluate(program, {"u": guard}, POINT)

@@ -32,11 +32,6 @@ from neuralgaits.control.law import (
 )
 from neuralgaits.robots.linear import solve
 
-DECAY = 0.75
-"""Rate at which sqrt V falls under linearised outputs, in units of w."""
-SLOWER = 1e-3
-"""Excess of d sqrt V/dt over its bound from which a tick counts as relaxed [rad/s]."""
-
 
 class ClfQp(AbstractLaw):
     """The torques nearest to those of `Fblin` with which V falls, within limits and friction.
@@ -92,7 +87,9 @@ class ClfQp(AbstractLaw):
         solution = minimise(self.program(robot, demand))
         # Error of the forces beyond the friction cone, as a share of the weight.
         outside_cone = 1e-3
-        given_up = solution.x[m:] > np.array([SLOWER, outside_cone])
+        # Excess of d sqrt V/dt over its bound from which a tick counts as relaxed [rad/s].
+        slower = 1e-3
+        given_up = solution.x[m:] > np.array([slower, outside_cone])
         # A program without a solution in numbers: motors without torque.
         within = jnp.where(solution.converged, unit * solution.x[:m], torque)
         within = jnp.clip(within, -limit, limit)
@@ -144,7 +141,8 @@ class ClfQp(AbstractLaw):
         along = desired.slope
         by_torque = free.by_torque[1:] - along[:, None] * (gradient @ free.by_torque)[None, :]
         without = free.without[1:] - along * (gradient @ free.without) - desired.drift
-        rest = -DECAY * w * size - lead @ without - 2.0 * two @ dy / divisor
+        decay = 0.75  # Rate at which sqrt V falls under linearised outputs, in units of w.
+        rest = -decay * w * size - lead @ without - 2.0 * two @ dy / divisor
         return lead @ by_torque, rest
 
 

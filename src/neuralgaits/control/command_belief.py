@@ -21,15 +21,6 @@ SETTLED = MappingProxyType({LEAN: 12e-3, SLOPE: 2e-3})
 """Commands that may be believed, and how near to the estimate a belief has settled [m, rad]: errors
 of the speed are summed from there on. It makes up for what a lean lacks, so it waits for large
 errors only, of the first steps of a robot that is far from its belief."""
-JUMPS = MappingProxyType({LEAN: 5e-3})
-"""Differences from the estimate that show another robot than before [m]. With encoders a lean
-varies by 1.2 mm from step to step; a slope varies by more on any uneven floor."""
-FEET_APART_M = 0.05
-"""Least distance of the feet that shows a slope [m]."""
-SPEED_EFFECT = 4.3
-"""Steady speed that a torso's centre of mass adds beyond the belief, per distance that it moves the
-whole centre of mass, in rates of falling over a leg [1]. Measured of AMBER-3M, whose gaits all gain
-8.7 mm/s a millimetre of the torso."""
 
 
 class CommandBelief(NamedTuple):
@@ -61,7 +52,10 @@ def belief_for(commands: Commands, name: str) -> CommandBelief | None:
     command = command_named(commands, name)
     if command is None:
         return None
-    return CommandBelief(command.low, command.high, command.change_limit, JUMPS.get(name, math.inf))
+    # Differences from the estimate that show another robot than before [m]. With encoders a lean
+    # varies by 1.2 mm from step to step; a slope varies by more on any uneven floor.
+    jumps = {LEAN: 5e-3}
+    return CommandBelief(command.low, command.high, command.change_limit, jumps.get(name, math.inf))
 
 
 def can_be(belief: CommandBelief, shown: float) -> bool:
@@ -125,7 +119,8 @@ def slope_under_feet(robot: PlanarBiped, q: Float[np.ndarray, " n"]) -> float:
     """
     angles = robot.link_angles @ q
     behind, below = robot.foot @ np.sin(angles), -(robot.foot @ np.cos(angles))
-    if robot.feet is not None or not behind > FEET_APART_M:
+    feet_apart_m = 0.05  # Least distance of the feet that shows a slope [m].
+    if robot.feet is not None or not behind > feet_apart_m:
         return math.nan
     return math.atan2(float(below), float(behind))
 
@@ -141,4 +136,8 @@ def speed_by_lean(robot: PlanarBiped) -> float:
     """
     series = lean_series(robot.layout.xml, robot.name)
     moved = float(np.abs(np.sum(series.moment_across[1]))) / float(robot.mass)
-    return SPEED_EFFECT * moved * math.sqrt(float(robot.gravity) / robot.leg_length)
+    # Steady speed that a torso's centre of mass adds beyond the belief, per distance that it moves
+    # the whole centre of mass, in rates of falling over a leg [1]. Measured of AMBER-3M, whose
+    # gaits all gain 8.7 mm/s a millimetre of the torso.
+    speed_effect = 4.3
+    return speed_effect * moved * math.sqrt(float(robot.gravity) / robot.leg_length)

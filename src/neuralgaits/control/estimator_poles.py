@@ -37,14 +37,14 @@ class Estimator:
         lost = 1.0 - keep
         rate = 1.5 * lost**2 * (1.0 + keep) / period_s
         usual = [1.0 - keep**3, rate, lost**3 / period_s**2]
-        return np.array([usual, [*_of_line(self.quick, period_s), 0.0]])
+        return np.array([usual, [*_line_gains(self.quick, period_s), 0.0]])
 
     def pitch_gains(self, period_s: float) -> Float[np.ndarray, "2"]:
         """Return the gains of the angle [1] and its rate [1/s] on the error of the pitch."""
-        return np.array(_of_line(self.pitch, period_s))
+        return np.array(_line_gains(self.pitch, period_s))
 
 
-def _of_line(pole: float, period_s: float) -> tuple[float, float]:
+def _line_gains(pole: float, period_s: float) -> tuple[float, float]:
     """Return the gains of a filter of first degree, of a value [1] and its rate [1/s]."""
     keep = np.exp(-pole * period_s)
     return 1.0 - keep**2, (1.0 - keep) ** 2 / period_s

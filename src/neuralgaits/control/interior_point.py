@@ -13,13 +13,6 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.robots.linear import solve
 
-ROUNDS = 30
-"""Largest number of rounds."""
-GAP = 1e-11
-"""Mean product of slack and multiplier at which the rounds end, in units of the problem."""
-CLOSED = 1e-10
-"""Size below which a round that does not reduce it is not taken, since rounding dominates."""
-
 
 class QuadraticProgram(NamedTuple):
     """Minimise sum_i (weight_i x_i^2 / 2 + cost_i x_i) so that rows x <= bound."""
@@ -58,13 +51,18 @@ def minimise(program: QuadraticProgram) -> Solution:
     slack = jnp.maximum(bound - rows @ x, 1.0)
     first = _Point(x, slack, jnp.ones_like(slack))
 
+    # Mean product of slack and multiplier at which the rounds end, in units of the problem.
+    gap = 1e-11
+    # Size below which a round that does not reduce it is not taken, since rounding dominates.
+    closed = 1e-10
+
     def one(point: _Point, _) -> tuple[_Point, None]:
         before, after = _gap(point), _round(program, point)
-        converged = (before < GAP) | (before < CLOSED) & ~(_gap(after) < before)
+        converged = (before < gap) | (before < closed) & ~(_gap(after) < before)
         return jax.tree.map(lambda new, old: jnp.where(converged, old, new), after, point), None
 
-    last, _ = jax.lax.scan(one, first, None, length=ROUNDS)
-    return Solution(last.x, last.multiplier, _gap(last) < CLOSED)
+    last, _ = jax.lax.scan(one, first, None, length=30)
+    return Solution(last.x, last.multiplier, _gap(last) < closed)
 
 
 def _gap(point: _Point) -> Scalar:

@@ -28,9 +28,6 @@ from neuralgaits.robots.mjcf.leaning import leaning_robot
 
 SETTLING_S = 0.015
 """Time after a touchdown that a window leaves out: the foot settles [s]."""
-FIRST_S = 0.05
-"""Shortest window that counts of the first step, which begins without a touchdown [s]. Encoders say
-little in so short a time; it counts for one step only."""
 
 
 class LeanSums(NamedTuple):
@@ -87,7 +84,7 @@ def advance(
         touchdown: whether a step begins.
 
     Returns: the sums, and the lean that the step that ended shows (m), positive forward; NaN at
-        other ticks, and after a first step that was seen for less than `FIRST_S`.
+        other ticks, and after a first step that was seen for less than 0.05 s.
     """
     settled = since_touchdown >= SETTLING_S - 1e-9
     begun = sums.since >= 0.0
@@ -100,7 +97,10 @@ def advance(
     ahead = sums.ahead + jnp.outer(powers[1:], jnp.asarray(passed) * jnp.stack([x, c]))
     adding = begun & ~touchdown
     since = jnp.where(adding, sums.since + passed, jnp.where(settled & ~touchdown, 0.0, -1.0))
-    least = jnp.where(jnp.isfinite(since_touchdown), 0.0, FIRST_S)
+    # Shortest window that counts of the first step, which begins without a touchdown [s]. Encoders
+    # say little in so short a time; it counts for one step only.
+    first_s = 0.05
+    least = jnp.where(jnp.isfinite(since_touchdown), 0.0, first_s)
     after = LeanSums(
         q=q,
         time=time,

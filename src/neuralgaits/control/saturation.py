@@ -11,11 +11,9 @@ from neuralgaits._types import Actuated, Array, Bool, Float, ZeroState
 if TYPE_CHECKING:
     from neuralgaits.gait import AbstractPolicy
 
-# How far beyond the step's own interval z1 may still move the desired outputs, as a share of
-# the interval: training covers two per cent, and a policy is not to be trusted far outside.
 Z1_MARGIN = 0.04
-# The same for z2, as a share of the interval of momenta.
-Z2_MARGIN = 0.1
+"""How far beyond the step's own interval z1 may still move the desired outputs, as a share of the
+interval: training covers two per cent, and a policy is not to be trusted far outside."""
 # Hip speeds, in units of sqrt(g l), whose momenta bound z2 where no tube is known: from nearly
 # standing to the speed at which walking turns into running (Froude number 1).
 SPEED_BOUNDS = (0.05, 1.0)
@@ -86,4 +84,5 @@ def zero_state_bounds(policy: "AbstractPolicy", z2_range: tuple[float, float]) -
     start, guard = (np.asarray(value, dtype=np.float64) for value in policy.z1_range)
     lower = np.stack([start, np.asarray(z2_range[0])])
     upper = np.stack([guard, np.asarray(z2_range[1])])
-    return ZeroStateBounds(lower, upper, np.array([Z1_MARGIN, Z2_MARGIN]) * (upper - lower))
+    margins = np.array([Z1_MARGIN, 0.1])  # Shares of both intervals.
+    return ZeroStateBounds(lower, upper, margins * (upper - lower))

@@ -24,9 +24,6 @@ from neuralgaits.robots import PlanarBiped
 
 ADAPTED = "speed"
 """Command that is adapted."""
-NEAR = 1e-3
-"""A command nearer to a limit than this share of the largest change is at the limit, whatever the
-rounding."""
 
 
 class SpeedAdapter(NamedTuple):
@@ -148,8 +145,8 @@ def command_for(
     """
     reference = reference_for(adapter, state, told)
     gain = adapter.moving_gain if moving else adapter.error_gain
-    wanted = reference + state.integral + gain * state.error - excess
-    return _clamp(wanted, adapter.low, adapter.high)
+    command = reference + state.integral + gain * state.error - excess
+    return _clamp(command, adapter.low, adapter.high)
 
 
 def advance(
@@ -184,8 +181,11 @@ def advance(
         return state._replace(reference=reference)
     width = adapter.high - adapter.low
     error = _clamp(state.reference - walked, -width, width)
-    highest = after >= min(adapter.high, before + adapter.change) - NEAR * adapter.change
-    lowest = after <= max(adapter.low, before - adapter.change) + NEAR * adapter.change
+    # A command nearer to a limit than this share of the largest change is at the limit, whatever
+    # the rounding.
+    near = 1e-3
+    highest = after >= min(adapter.high, before + adapter.change) - near * adapter.change
+    lowest = after <= max(adapter.low, before - adapter.change) + near * adapter.change
     integral = state.integral
     if settled and not ((highest and error > 0.0) or (lowest and error < 0.0)):
         integral = _clamp(integral + adapter.integral_gain * error, -width, width)

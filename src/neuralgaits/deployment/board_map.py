@@ -128,8 +128,8 @@ class BoardMap:
         contact = np.zeros(self.channels)
         contact[self.channel] = joints.normal_force / self.newton + self.contact_zero
         return BoardReadings(
-            position=self._by_motor(self.gear * (self.sign * joints.joints + self.zero)),
-            velocity=self._by_motor(self.gear * self.sign * joints.djoints),
+            position=self._ordered_by_motor(self.gear * (self.sign * joints.joints + self.zero)),
+            velocity=self._ordered_by_motor(self.gear * self.sign * joints.djoints),
             pitch=self.pitch_sign * joints.pitch + self.pitch_zero,
             dpitch=self.pitch_sign * joints.dpitch,
             contact=contact,
@@ -140,7 +140,7 @@ class BoardMap:
         beyond = ~((joints >= self.lower) & (joints <= self.upper))
         return int(self.motor[beyond][0]) + 1 if beyond.any() else 0
 
-    def _by_motor(self, by_leg: ByLeg) -> ByMotor:
+    def _ordered_by_motor(self, by_leg: ByLeg) -> ByMotor:
         """Return values of joints by motor; those that no joint has are 0."""
         values = np.zeros(self.motors)
         values[self.motor] = by_leg

@@ -12,9 +12,6 @@ from neuralgaits.deployment.deployment_file import (
     DeploymentFile,
 )
 
-_SLACK = 1e-6
-"""Share by which a range or limit of the file may exceed the robot file's: rounding of a copy."""
-
 
 def hash_problems(file: str, deployment: DeploymentFile, about: DeployedRobot) -> Iterator[str]:
     """Yield how files and period differ from the run's."""
@@ -114,7 +111,9 @@ def _twice(file: str, what: str, named_lines: list[tuple[str, int]]) -> Iterator
 
 def _numbers(file: str, one: DeployedJoint, facts: JointFacts) -> Iterator[str]:
     at = f"{file}: {one.joint}"
-    slack = _SLACK * (facts.upper_rad - facts.lower_rad)
+    # Share by which a range or limit of the file may exceed the robot file's: rounding of a copy.
+    rounding = 1e-6
+    slack = rounding * (facts.upper_rad - facts.lower_rad)
     if not one.lower_rad < one.upper_rad:
         yield (
             f"{at}: lower_rad, upper_rad: expected lower_rad below upper_rad, found "
@@ -126,7 +125,7 @@ def _numbers(file: str, one: DeployedJoint, facts: JointFacts) -> Iterator[str]:
             f"{facts.lower_rad:g} to {facts.upper_rad:g} rad, found {one.lower_rad:g} to "
             f"{one.upper_rad:g}: narrow it, or change the robot file and train again"
         )
-    if one.torque_limit_nm > facts.torque_limit_nm * (1.0 + _SLACK):
+    if one.torque_limit_nm > facts.torque_limit_nm * (1.0 + rounding):
         yield (
             f"{at}: torque_limit_nm: expected at most the robot file's {facts.torque_limit_nm:g} "
             f"N m, found {one.torque_limit_nm:g}: lower it, or change the robot file and train "

@@ -12,18 +12,6 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError, ManyProblems
 from neuralgaits.logs.formats.sheet import Text, text_of
 
-ROWS = 100
-"""Fewest rows of a log."""
-LARGEST, LATEST = 1e7, 1e12
-"""Largest number in a log, and largest time, which may count from any day [s]."""
-LONGEST_STEP, LONGEST = 0.05, 3600.0
-"""Longest time between two rows, by the median, and longest log [s]."""
-LONGEST_GAP, GAP_STEPS = 0.1, 3.0
-"""Longest gap in a log [s], or this many usual steps where those are longer: nobody knows a motion
-that went on in it."""
-SHORTEST_STEP = 5e-4
-"""Shortest time between two rows, likewise [s]."""
-
 
 @dataclass(frozen=True, eq=False)
 class HungLog:
@@ -152,6 +140,8 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
     """Return the numbers of all columns; those of `moved` are 0. Raises: InputError."""
     width, label = len(text.header), columns["moved"]
     values = np.zeros((len(text.cells), width))
+    largest = 1e7  # Largest number in a log.
+    latest = 1e12  # Largest time, which may count from any day [s].
     for k, (row, cells) in enumerate(text.cells):
         # The reader of sheets leaves out an empty cell at the end of a line.
         if len(cells) not in (width, width - (label == width - 1)):
@@ -165,15 +155,16 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
                 values[k, column] = float(cell)
             except ValueError:
                 values[k, column] = np.nan
-            most = LATEST if column == columns["t[s]"] else LARGEST
+            most = latest if column == columns["t[s]"] else largest
             if not abs(values[k, column]) <= most:
                 raise InputError(
                     f"{file}, row {row}, column {text.header[column]}: expected a finite number of "
                     f"at most {most:g}, found {shown(cell)}: delete the row"
                 )
-    if len(values) < ROWS:
+    fewest = 100  # Fewest rows of a log.
+    if len(values) < fewest:
         raise InputError(
-            f"{file}: expected {ROWS} rows or more, found {len(values)}: record longer"
+            f"{file}: expected {fewest} rows or more, found {len(values)}: record longer"
         )
     steps = np.diff(values[:, columns["t[s]"]])
     if not np.all(steps > 0.0):
@@ -182,10 +173,12 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
             f"{file}, row {row}: expected times that increase, found one that does not: sort rows"
         )
     step, whole = float(np.median(steps)), float(np.sum(steps))
-    if not (SHORTEST_STEP <= step <= LONGEST_STEP and whole <= LONGEST):
+    shortest_step, longest_step = 5e-4, 0.05  # Time between two rows, by the median [s].
+    longest = 3600.0  # Longest log [s].
+    if not (shortest_step <= step <= longest_step and whole <= longest):
         raise InputError(
-            f"{file}: expected {SHORTEST_STEP:g} to {LONGEST_STEP:g} s from row to row and at most "
-            f"{LONGEST:g} s, found {step:.3g} s and {whole:.3g} s: times are in seconds"
+            f"{file}: expected {shortest_step:g} to {longest_step:g} s from row to row and at most "
+            f"{longest:g} s, found {step:.3g} s and {whole:.3g} s: times are in seconds"
         )
     _refuse_gaps(text, steps, step, file)
     return values
@@ -193,7 +186,8 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
 
 def _refuse_gaps(text: Text, steps: Float[np.ndarray, " s"], usual: float, file: str) -> None:
     """Refuse a log with pauses. Raises: ManyProblems with each of them."""
-    longest = max(LONGEST_GAP, GAP_STEPS * usual)
+    # Longest gap in a log [s]: nobody knows a motion that went on in it.
+    longest = max(0.1, 3.0 * usual)
     gaps = [
         f"{file}, row {text.cells[k + 1][0]}: expected at most {longest:.2g} s from row to row, "
         f"found {steps[k]:.3g} s: record without a pause, and keep rows that are about nothing, "

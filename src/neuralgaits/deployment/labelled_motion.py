@@ -15,8 +15,6 @@ from neuralgaits.deployment.hung_log import HungLog
 from neuralgaits.deployment.pressed_feet import pressed_feet
 from neuralgaits.records.deployed import DeploymentFinding
 
-CLEAR = 2.0
-"""Factor by which one motor must move more than all others."""
 LEAST_MOTION = 0.05
 """Smallest motion that counts [rad]."""
 ZERO_TOLERANCE = 0.05
@@ -75,11 +73,12 @@ def _motors_seen(motion: LabelledMotion, log: HungLog) -> dict[str, list[tuple[i
         spans = [np.ptp(log.position[rows], axis=0) for _, rows in windows]
         # What the largest motion of a motor is taken for if all of them moved [rad].
         scale = np.maximum(np.max(spans, axis=0) / 0.5, 1e-9)
+    clear = 2.0  # Factor by which one motor must move more than all others.
     for name, rows in windows:
         span = np.ptp(log.position[rows], axis=0) / scale
         order = np.argsort(span)[::-1]
         second = span[order[1]] if len(order) > 1 else 0.0
-        if span[order[0]] < max(LEAST_MOTION, CLEAR * second):
+        if span[order[0]] < max(LEAST_MOTION, clear * second):
             motion.unchecked.append(
                 f"motor of {name}: motor {log.motors[order[0]]} moved {span[order[0]]:.2g} rad, "
                 f"and the next {second:.2g} rad: move it alone, by {5 * LEAST_MOTION:g} rad or more"

@@ -16,8 +16,6 @@ from scipy.signal import savgol_filter
 from neuralgaits._types import Float
 from neuralgaits.deployment.hanging_leg import HangingLeg
 
-ROWS_HZ = 25.0
-"""Rows that are fitted, a second: further ones say nothing more after smoothing."""
 ZERO_PRIOR, KNOWN_ZERO = 0.5, 0.03
 """Standard deviations of a zero's error before torques are looked at: if nothing is known of it,
 and if the log has rows that show it [rad]."""
@@ -48,7 +46,7 @@ class LegSeries:
         pitch: Float[np.ndarray, " t"],
         driven: Float[np.ndarray, " t"],
     ) -> "LegSeries":
-        """Return a leg's series with rates and accelerations, at ROWS_HZ.
+        """Return a leg's series with rates and accelerations, at 25 rows a second.
 
         Angles and torques pass the same filter, so that their relation stays.
 
@@ -70,7 +68,9 @@ class LegSeries:
         if len(even) < 3 * window:
             none = np.zeros((0, k))
             return cls(none, none, none, none, np.zeros(0))
-        every = slice(window, len(even) - window, max(1, round(1.0 / ROWS_HZ / step)))
+        # Rows that are fitted, a second: further ones say nothing more after smoothing.
+        rows_hz = 25.0
+        every = slice(window, len(even) - window, max(1, round(1.0 / rows_hz / step)))
 
         def filtered(order: int) -> Float[np.ndarray, "t c"]:
             smooth = savgol_filter(data, window, 3, deriv=order, delta=step, axis=0)

@@ -17,14 +17,8 @@ ZERO_ERROR = 0.1
 """Smallest error of a zero that torques can show [rad]."""
 SPREADS = 3.0
 """Standard deviations that such an error must exceed."""
-WIDEST = 0.2
-"""Largest doubt about a zero that counts as checked [rad]."""
 EXPLAINED = 0.6
 """Share of a joint's torque that may be unexplained if it is to say anything."""
-TILT = 0.1
-"""Smallest tilt that shows the sign of the pitch [rad]."""
-BEYOND = 0.05
-"""How far beyond its range a joint may be [rad]."""
 
 
 def compared(
@@ -109,7 +103,8 @@ def _best_fits(
         for flip, choice in choices.items():
             choice.append((names, min(fitter.fits(series, flip), key=_cost)))
     own_way, other_way = (sum(_cost(fit) for _, fit in choices[flip]) for flip in (1.0, -1.0))
-    tilted = np.ptp(pitch) > TILT
+    tilt = 0.1  # Smallest tilt that shows the sign of the pitch [rad].
+    tilted = np.ptp(pitch) > tilt
     settled = "pitch" in labelled.known_signs
     if tilted and not settled and other_way + FLIP_COST < 0.7 * own_way:
         labelled.findings.append(
@@ -123,7 +118,7 @@ def _best_fits(
         return choices[-1.0]
     if not settled and not (tilted and own_way < 0.7 * other_way):
         labelled.unchecked.append(
-            f"sign of the pitch: tilt the stand by {3 * TILT:g} rad, in rows labelled +pitch"
+            f"sign of the pitch: tilt the stand by {3 * tilt:g} rad, in rows labelled +pitch"
         )
     return choices[1.0]
 
@@ -203,7 +198,8 @@ def _judge(labelled: LabelledMotion, names: tuple[str, ...], fit: LegFit) -> Non
 
 def _shows_zero(fit: LegFit, j: int) -> bool:
     """Return whether a joint's torques show its zero well enough."""
-    return bool(fit.unexplained[j] <= EXPLAINED and SPREADS * fit.spread[j] <= WIDEST)
+    widest = 0.2  # Largest doubt about a zero that counts as checked [rad].
+    return bool(fit.unexplained[j] <= EXPLAINED and SPREADS * fit.spread[j] <= widest)
 
 
 def _common_zero(
@@ -239,11 +235,12 @@ def _ranges(labelled: LabelledMotion, about: DeployedRobot, log: HungLog) -> Non
     """Note joints that were outside of the robot file's range, if nothing else explains it."""
     explained = {one.about for one in labelled.findings}
     facts = {one.name: one for one in about.joints}
+    beyond = 0.05  # How far beyond its range a joint may be [rad].
     for one in labelled.file.joints:
         angle, facts_of_joint = joint_angles(one, log), facts[one.joint]
         low, high = float(angle.min()), float(angle.max())
         outside = (
-            low < facts_of_joint.lower_rad - BEYOND or high > facts_of_joint.upper_rad + BEYOND
+            low < facts_of_joint.lower_rad - beyond or high > facts_of_joint.upper_rad + beyond
         )
         if outside and one.joint not in explained:
             labelled.findings.append(

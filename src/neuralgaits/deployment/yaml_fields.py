@@ -11,8 +11,6 @@ from neuralgaits.deployment.yaml_tree import YamlNode
 
 MOST_INDEX = 255
 """Largest index of a motor or channel: more than a bus of drives has."""
-MOST_ROWS = 64
-"""Longest list."""
 LEAST = 1e-6
 """Least of the numbers above 0: with a smaller gear, single precision overflows."""
 
@@ -135,8 +133,9 @@ class FieldReader:
                 values[key] = node
             return
         if kind == "list":
-            if not isinstance(node.value, list) or len(node.value) > MOST_ROWS:
-                self.note(node.line, what, f"a list of at most {MOST_ROWS}", node.kind, "write one")
+            most = 64  # Longest list.
+            if not isinstance(node.value, list) or len(node.value) > most:
+                self.note(node.line, what, f"a list of at most {most}", node.kind, "write one")
             else:
                 values[key] = node.value
             return

@@ -13,11 +13,6 @@ from neuralgaits._inputs import no_file_at, refuse_unreadable
 from neuralgaits._printable import printable, shown
 from neuralgaits.errors import InputError, ManyProblems
 
-MOST_BYTES = 2**16
-"""Largest file that is read: twenty times one of a robot with twelve joints."""
-MOST_DEPTH = 20
-"""Deepest nesting; a deployment file has three levels."""
-
 
 @dataclass(frozen=True)
 class YamlNode:
@@ -68,7 +63,8 @@ def yaml_tree(path: Path) -> YamlNode:
 
 
 def _text_of(path: Path) -> str:
-    refuse_unreadable(path, MOST_BYTES, "it is no deployment file")
+    most_bytes = 2**16  # Largest file that is read: twenty times one of a robot with twelve joints.
+    refuse_unreadable(path, most_bytes, "it is no deployment file")
     if not path.is_file():
         raise InputError(
             f"expected a deployment file, found {no_file_at(path, 'none')} at {printable(path)}: "
@@ -86,13 +82,14 @@ def _text_of(path: Path) -> str:
 def _refuse_events(events: Any, path: Path) -> None:
     """Refuse anchors, aliases, tags and deep nesting before anything is built."""
     depth = 0
+    most_depth = 20  # Deepest nesting; a deployment file has three levels.
     for event in events:
         name = type(event).__name__
         depth += name.endswith("StartEvent") - name.endswith("EndEvent")
         line = event.start_mark.line + 1
-        if depth > MOST_DEPTH:
+        if depth > most_depth:
             raise InputError(
-                f"{printable(path)}, line {line}: expected at most {MOST_DEPTH} levels, found "
+                f"{printable(path)}, line {line}: expected at most {most_depth} levels, found "
                 "more: is it the right file?"
             )
         if getattr(event, "anchor", None):

@@ -14,10 +14,6 @@ from neuralgaits._version import __version__
 from neuralgaits.engine.task import Failure, Files, Job, Task
 from neuralgaits.errors import NeuralGaitsError, is_full
 
-_DECIDE = ("jax", "jaxlib", "mujoco", "numpy")
-"""Libraries whose version decides the digits of results."""
-_SHOWN = 300
-
 
 def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None, float]:
     """Carry out `module:function` for a job. Returns: files, reason of a failure, and seconds."""
@@ -50,7 +46,7 @@ def _task_named(task: str) -> Task:
 
 
 def _line(text: str) -> str:
-    return " ".join(text.split())[:_SHOWN]
+    return " ".join(text.split())[:300]
 
 
 def _raised_at(error: Exception) -> str:
@@ -69,7 +65,9 @@ def versions() -> dict[str, str]:
             code.update(f"{file.relative_to(root)}:{file.stat().st_size}:".encode())
             code.update(file.read_bytes())
     own = {"neuralgaits": f"{__version__} ({code.hexdigest()[:12]})"}
-    return own | {name: metadata.version(name) for name in _DECIDE} | {"machine": _machine()}
+    # Libraries whose version decides the digits of results.
+    packages = ("jax", "jaxlib", "mujoco", "numpy")
+    return own | {name: metadata.version(name) for name in packages} | {"machine": _machine()}
 
 
 def _machine() -> str:

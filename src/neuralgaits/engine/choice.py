@@ -6,11 +6,6 @@ from neuralgaits.engine.processes import Processes
 from neuralgaits.engine.task import WorkerPool
 from neuralgaits.errors import InputError
 
-MOST_WORKERS = 4096
-"""Largest number of processes: more than any one machine has cores."""
-LOCAL = "local"
-"""Word in place of an address: start Ray on this machine for the duration of the command."""
-
 
 def worker_pool_for(workers: int | None = None, ray: str | None = None) -> WorkerPool:
     """Return the engine of `--workers N` or `--ray ADDRESS|local`.
@@ -23,11 +18,13 @@ def worker_pool_for(workers: int | None = None, ray: str | None = None) -> Worke
     """
     if workers is not None and workers < 1:
         raise InputError(f"expected at least 1 worker, found {workers}")
-    if workers is not None and workers > MOST_WORKERS:
-        raise InputError(f"expected at most {MOST_WORKERS} workers, found {shown(workers)}")
+    most_workers = 4096  # Largest number of processes: more than any one machine has cores.
+    if workers is not None and workers > most_workers:
+        raise InputError(f"expected at most {most_workers} workers, found {shown(workers)}")
     if ray is None:
         return Processes(cores() if workers is None else workers)
-    if workers is not None and ray != LOCAL:
+    # In place of an address, it starts Ray on this machine for the duration of the command.
+    if workers is not None and ray != "local":
         raise InputError(
             f"expected --workers or --ray {ray}, found both: a cluster has as many workers as cores"
         )

@@ -29,7 +29,7 @@ from neuralgaits.engine.task import (
 )
 from neuralgaits.errors import InputError
 
-LOCAL, AUTO = "local", "auto"
+LOCAL = "local"
 _COUNT_S = 5.0
 """Interval between two counts of the cluster's cores, since nodes come and go [s]."""
 
@@ -179,7 +179,7 @@ def _keep_off_stdout() -> None:
 
 def _reach(address: str) -> None:
     """Raise InputError at once if nothing listens there: Ray would wait for minutes."""
-    if address == AUTO:
+    if address == "auto":
         return
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal() or "/" in address:

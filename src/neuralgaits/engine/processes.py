@@ -29,8 +29,6 @@ from neuralgaits.engine.task import (
 from neuralgaits.errors import InputError
 
 _READY = "ready"
-_LEAST_BYTES = 2**31
-"""Memory that a worker always gets, however many there are."""
 _GONE = (EOFError, ConnectionError, OSError)
 """Errors that a pipe raises when the process at its other end has died."""
 
@@ -169,7 +167,8 @@ def _share(workers: int) -> int:
         whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):
         return 0
-    return max(whole // max(workers, 1), _LEAST_BYTES)
+    least_bytes = 2**31  # Memory that a worker always gets, however many there are.
+    return max(whole // max(workers, 1), least_bytes)
 
 
 def _work(pipe: Connection, memory_bytes: int) -> None:

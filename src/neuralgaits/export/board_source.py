@@ -5,7 +5,7 @@ import numpy as np
 from neuralgaits.deployment.board_map import BoardMap
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.export import output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.source import commented
 from neuralgaits.programs.c99.constant_arrays import braces, literal
 

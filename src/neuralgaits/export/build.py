@@ -18,9 +18,6 @@ PRECISIONS = {"double": (), "float": ("-DNG_FLOAT",)}
 CORE = ("gait.c", "controller.c", "estimator.c")
 """Files that run on the robot, without the self-test."""
 CHECKED = (*CORE, "supervisor.c", "selftest.c", "check.c")
-_RUN_S = 300.0
-_FREESTANDING = frozenset(("memcpy", "memset", "memmove"))
-"""Functions that a C compiler may call by itself, even without a library."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +83,9 @@ def inspect(
         if complete
         else None
     )
-    foreign = undefined - defined - _FREESTANDING
+    # Functions that a C compiler may call by itself, even without a library.
+    freestanding = frozenset(("memcpy", "memset", "memmove"))
+    foreign = undefined - defined - freestanding
     return Inspection(flash, static, tuple(sorted(foreign)), stack)
 
 
@@ -112,7 +111,7 @@ def deepest(graph: str) -> int:
 def run(program: Path, *arguments: str) -> bytes:
     """Run a compiled program and return its output. Raises: MismatchError if it fails."""
     process = subprocess.run(
-        [str(program), *arguments], capture_output=True, timeout=_RUN_S, check=False
+        [str(program), *arguments], capture_output=True, timeout=300.0, check=False
     )
     if process.returncode != 0:
         lines = (process.stderr or process.stdout).decode(errors="replace").strip().splitlines()

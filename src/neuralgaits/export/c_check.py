@@ -15,7 +15,7 @@ from neuralgaits.export.compare import (
     limits,
     questions,
 )
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.monitor_check import STATES as MONITOR_STATES
 from neuralgaits.export.monitor_check import check_monitor
 from neuralgaits.export.programs import policy_rate

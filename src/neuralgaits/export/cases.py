@@ -15,17 +15,13 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, Int
 from neuralgaits.control.measurement import Measurement, coordinates
 from neuralgaits.control.safeguard import Fault, joint_ranges
+from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import drawn_commands, lifted, single
-from neuralgaits.export.facts import Design
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 
 NEVER = 1e30
 """Time since the last touchdown while there is none yet [s], as `NG_NEVER`."""
-_OUTPUT_ERROR, _RATE_ERROR = 0.05, 0.5
-"""Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`."""
-_CLEAR_OF_THRESHOLD = 1e-4
-"""Distance of a drawn number from any threshold [m], [s], so that rounding decides nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +104,7 @@ def of_region(design: Design, count: int, seed: int) -> Cases:
     inside = rng.uniform(size=(count, 2))
     around = np.stack([rng.uniform(-0.1, 1.1, count), rng.uniform(-0.3, 1.3, count)], axis=1)
     chart = np.where(rng.uniform(size=count)[:, None] < 0.85, inside, around)
-    cases = _at(design, chart, rng)
+    cases = _cases_at(design, chart, rng)
     away = _clear(design, cases)
     return replace(cases, force=np.where(away[:, None], cases.force, 0.0))
 
@@ -131,7 +127,7 @@ def of_guard(design: Design, seed: int) -> Cases:
     ).reshape(7, -1)
     phase, level, leg, share, since, ticks, law = combinations
     rng = np.random.default_rng(seed)
-    cases = _at(design, np.stack([phase, level], axis=1), rng, leg.astype(int))
+    cases = _cases_at(design, np.stack([phase, level], axis=1), rng, leg.astype(int))
     force = np.where(np.arange(2) == leg[:, None], weight, share[:, None] * weight)
     return replace(
         cases,
@@ -145,7 +141,7 @@ def of_guard(design: Design, seed: int) -> Cases:
 def of_faults(design: Design, seed: int) -> Cases:
     """Draw readings that must stop the robot, and neighbours of them that must not."""
     chart = np.full((1, 2), 0.5)
-    base = _at(design, chart, np.random.default_rng(seed), np.zeros(1, dtype=int))
+    base = _cases_at(design, chart, np.random.default_rng(seed), np.zeros(1, dtype=int))
     base = replace(base, time_us=base.last_us + 1000, running=np.ones(1, dtype=int))
     cases = [base]
     for name, flat, values in _spoils(design):
@@ -186,7 +182,7 @@ def _spoils(design: Design) -> Iterator[tuple[str, int, list[float]]]:
         yield "djoints", i, bad + around(safe.largest_rate)
 
 
-def _at(
+def _cases_at(
     design: Design,
     chart: Float[np.ndarray, "N 2"],
     rng: np.random.Generator,
@@ -197,7 +193,9 @@ def _at(
     k, weight = design.leg_joints, float(robot.mass * robot.gravity)
     limit = np.asarray(design.controller.torque_limit)
     leg = rng.integers(0, 2, count) if leg is None else leg
-    eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * np.repeat([_OUTPUT_ERROR, _RATE_ERROR], m)
+    # Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`.
+    largest = np.repeat([0.05, 0.5], m)
+    eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * largest
     pair, previous = drawn_commands(design, count, rng)
     x, outputs, slopes, step = lifted(design, chart, eta, pair)
     q, dq = np.split(x, 2, axis=1)
@@ -259,9 +257,11 @@ def _clear(design: Design, cases: Cases) -> np.ndarray:
 
     measurement = jax.tree.map(jnp.asarray, cases.measurement(design))
     foot = np.asarray(ahead(measurement, jnp.asarray(cases.leg)))
-    near = np.abs(foot - stance.advance_share * robot.leg_length) < _CLEAR_OF_THRESHOLD
+    # Distance of a drawn number from any threshold [m], [s], so that rounding decides nothing.
+    clearance = 1e-4
+    near = np.abs(foot - stance.advance_share * robot.leg_length) < clearance
     late = cases.since + design.controller.period_s - stance.lockout_s
-    near |= np.abs(late) < _CLEAR_OF_THRESHOLD
+    near |= np.abs(late) < clearance
     weight = float(robot.mass * robot.gravity)
     swing = cases.force[np.arange(cases.count), 1 - cases.leg]
-    return ~near & (np.abs(swing - stance.force_share * weight) > _CLEAR_OF_THRESHOLD)
+    return ~near & (np.abs(swing - stance.force_share * weight) > clearance)

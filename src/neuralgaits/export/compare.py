@@ -10,8 +10,8 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError, MismatchError
 from neuralgaits.export import build
 from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region
+from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import steps_of
-from neuralgaits.export.facts import Design
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.reference import Reference, Results, policy_path, results_of
 from neuralgaits.export.robot_programs import Part
@@ -21,13 +21,6 @@ from neuralgaits.records.link_figures import Percentiles
 SEED = 20220117
 STEP_TIME = "policy_step"
 """Name of the measured time for numbers that are computed once a step, in `c/check.c`."""
-_STEP_LIMITS = {"double": 1e-11, "float": 1e-3}
-"""Largest error of a step's numbers, as a share of each one's range: an impact and Newton's method
-lie between them and the commands."""
-_STEP_TORQUE = 5e-4
-"""Largest torque error in single precision where the step's numbers are in single precision, too:
-joint damping turns errors of desired rates into 0.01 N m of 41."""
-_CUTS = {"z": (64, 32), "dz": (2, 2)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +44,10 @@ def limits(design: Design, precision: str) -> ExportTolerance:
     """Return the largest errors that a build may have."""
     if precision == "double":
         return ExportTolerance(1e-12, 1e-12)
-    torque = _STEP_TORQUE if design.commands else 5e-5
+    # Largest torque error in single precision where the step's numbers are in single precision,
+    # too: joint damping turns errors of desired rates into 0.01 N m of 41.
+    step_torque = 5e-4
+    torque = step_torque if design.commands else 5e-5
     is_narrow = max(design.gait.policy.hidden_widths or (), default=0) <= 64
     return ExportTolerance(2e-6 if is_narrow else 1e-5, torque)
 
@@ -156,6 +152,7 @@ def float_bound(design: Design, rates: Part, questions: Questions) -> FloatBound
     dz = questions.points[:, 2:4]
     ranges = np.ptp(questions.policy, axis=0)
     rows = []
+    cuts = {"z": (64, 32), "dz": (2, 2)}
     # Of a family's steps the first four are bounded.
     for step in questions.points[:4, 6:] if design.commands else [None]:
         lows = {"z": np.array(bounds.lower), "dz": dz.min(axis=0)}
@@ -163,7 +160,7 @@ def float_bound(design: Design, rates: Part, questions: Questions) -> FloatBound
         if step is not None:
             lows["z"][0], highs["z"][0] = step[:2]
             lows["step"] = highs["step"] = step
-        errors = largest_errors(rates.program, lows, highs, _CUTS)
+        errors = largest_errors(rates.program, lows, highs, cuts)
         rows.append((np.max(errors["y"] / ranges[0]), np.max(errors["dy"] / ranges[1])))
     output, rate = np.max(rows, axis=0)
     return FloatBound(output=float(output), rate=float(rate))
@@ -191,15 +188,18 @@ def _same_decisions(design: Design, questions: Questions, results: Results) -> N
 def _same_steps(design: Design, questions: Questions, answers: Results, precision: str) -> None:
     """Require equal commands and numbers of the step after a tick. Raises: MismatchError."""
     expected, going = questions.ticks, questions.ticks.fault == 0
+    # Largest error of a step's numbers, as a share of each one's range: an impact and Newton's
+    # method lie between them and the commands.
+    step_limits = {"double": 1e-11, "float": 1e-3}
     for name in ("requested", "before", "after", "step") if design.commands else ():
         one, other = (getattr(results, name)[going] for results in (answers, expected))
         # Errors are relative to the range of each number, or to this if it hardly varies.
         unit = np.maximum(np.ptp(other, axis=0), 1e-3)
         distance = float(np.max(np.abs(one - other) / unit))
-        if not distance <= _STEP_LIMITS[precision]:
+        if not distance <= step_limits[precision]:
             raise MismatchError(
                 f"C and Python disagree: expected {name} of a step within "
-                f"{_STEP_LIMITS[precision]:g} of its range in {precision} precision, found "
+                f"{step_limits[precision]:g} of its range in {precision} precision, found "
                 f"{distance:.3g}: do not use this controller"
             )
 

@@ -7,7 +7,7 @@ from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law import CompiledLaw, compiled_law
 from neuralgaits.control.safeguard import joint_ranges
 from neuralgaits.errors import InputError
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.gait.commands import Command
 
 

@@ -8,7 +8,7 @@ from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.step_parameters import parameters_of_pairs
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Command, CommandLimits, Pair, coordinates_of
 from neuralgaits.gait.policies.commanded_gait import AnyGait

@@ -10,8 +10,8 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
+from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import drawn_commands, lifted
-from neuralgaits.export.facts import Design
 from neuralgaits.gait.commands import Pair
 from neuralgaits.records.exported import MonitorBuild
 from neuralgaits.records.link_figures import Percentiles
@@ -22,9 +22,6 @@ CHECKED = (*SOURCES, "check_monitor.c")
 STATES = 20_000
 """Random states on which `export` compares."""
 SEED = 20261126
-LIMITS = {"double": 1e-8, "float": 0.1}
-"""Largest distance of a margin m from Python's, in units of 1 + |m|: that of narrow tubes, and of
-sets of small errors. AMBER-3M's is 2e-12, and 1e-3 in single precision."""
 EDGES = {"double": 1e-12, "float": 1e-2}
 """Distance from an edge of a set within which answers may differ, at least that of the margins. In
 single precision the strips before phase 0 and behind phase 1 are narrower than a phase's digits."""
@@ -172,6 +169,9 @@ def check_monitor(
     cases = drawn_cases(design, count)
     expected = python_answers(monitor, cases)
     problems = []
+    # Largest distance of a margin m from Python's, in units of 1 + |m|: that of narrow tubes, and
+    # of sets of small errors. AMBER-3M's is 2e-12, and 1e-3 in single precision.
+    limits = {"double": 1e-8, "float": 0.1}
     for compiler in compilers:
         for precision, defines in build.PRECISIONS.items():
             flags = (*build.PLAIN, *defines)
@@ -185,9 +185,9 @@ def check_monitor(
             program = build.build(compiler, folder, "check_monitor", CHECKED, flags)
             answers = c_answers(monitor, cases, program)
             far = distance(answers, expected)
-            edge = max(EDGES[precision], min(far, LIMITS[precision]))
+            edge = max(EDGES[precision], min(far, limits[precision]))
             wrong = disagreements(monitor, answers, expected, edge)
-            if wrong or not far <= LIMITS[precision]:
+            if wrong or not far <= limits[precision]:
                 raise MismatchError(
                     f"C and Python disagree: expected one answer about {count} states in "
                     f"{precision} precision, found {wrong} that differ, margins apart by "

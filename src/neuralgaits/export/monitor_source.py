@@ -4,20 +4,11 @@ import numpy as np
 
 from neuralgaits.analysis.state_monitor import NO_NUMBER, StateMonitor, StateSet
 from neuralgaits.export import output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.source import commented, quoted
 from neuralgaits.programs.c99.c_writer import CFunction
 from neuralgaits.programs.c99.constant_arrays import Tables, braces, wrapped
 from neuralgaits.programs.c99.function import emit
-
-_INPUTS = {
-    "after": "state->after",
-    "before": "state->before",
-    "dq": "command->dq",
-    "q": "command->q",
-    "step": "state->step",
-}
-"""Places of the inputs of a set in the controller."""
 
 
 def monitor_files(design: Design) -> dict[str, str]:
@@ -171,8 +162,16 @@ def _dispatch(monitor: StateMonitor) -> str:
         "    (void)state;",
         "    switch (set) {",
     ]
+    # Places of the inputs of a set in the controller.
+    places = {
+        "after": "state->after",
+        "before": "state->before",
+        "dq": "command->dq",
+        "q": "command->q",
+        "step": "state->step",
+    }
     for number, one in enumerate(monitor.sets):
-        inputs = [_INPUTS[item.name] for item in one.program.inputs]
+        inputs = [places[item.name] for item in one.program.inputs]
         arguments = ", ".join([*inputs, "margins", f"margins + {len(one.ends)}"])
         lines += [
             f"    case {number}:",

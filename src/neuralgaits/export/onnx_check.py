@@ -10,17 +10,10 @@ import onnxruntime
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError, MismatchError
 from neuralgaits.export.compare import limits, model_questions
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.onnx_model import FILES, REALS
 from neuralgaits.records.exported import Model, ModelAgreement, ModelExport, ModelLimits
 from neuralgaits.records.link_figures import Percentiles
-
-_TIMED_CALLS = 20_000
-_RUNTIME_SHARE = {"double": 1.0, "float": 2.0}
-"""Factor on the limits for C: in single precision the runtime approximates tanh and sigmoid more
-coarsely than `ng_math.h`, and each version of it differently."""
-_ERRORS_ONLY = 3
-"""Severity from which the runtime writes messages."""
 
 Given = Mapping[str, np.ndarray]
 """Inputs by name, a row a state."""
@@ -66,14 +59,17 @@ def check_models(design: Design, files: Mapping[str, bytes], states: int) -> "pa
 
 def _limit(design: Design, precision: str) -> float:
     """Return the largest distance of a model from Python, as a share of each output's range."""
-    return _RUNTIME_SHARE[precision] * limits(design, precision).output
+    # Factor on the limits for C: in single precision the runtime approximates tanh and sigmoid more
+    # coarsely than `ng_math.h`, and each version of it differently.
+    shares = {"double": 1.0, "float": 2.0}
+    return shares[precision] * limits(design, precision).output
 
 
 def _session(model: bytes) -> Policy:
     """Return the model as a function of its inputs by name, on one thread."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = _ERRORS_ONLY
+    options.log_severity_level = 3  # Errors only.
     session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
     return lambda inputs: session.run(["y", "dy"], inputs)  # type: ignore[return-value]
 
@@ -117,8 +113,9 @@ def _agree(
 
 def _latency(policy: Policy, inputs: Given) -> Percentiles:
     """Measure times of calls from Python (us), one state each."""
-    times = np.empty(_TIMED_CALLS)
-    for i in range(_TIMED_CALLS):
+    calls = 20_000
+    times = np.empty(calls)
+    for i in range(calls):
         row = {name: values[i % len(values)] for name, values in inputs.items()}
         start_time = perf_counter_ns()
         policy(row)

@@ -5,8 +5,8 @@ import json
 import numpy as np
 from onnx import checker, helper
 
-from neuralgaits.export import controller_prose, statement
-from neuralgaits.export.facts import Design
+from neuralgaits.export import controller_facts, controller_prose
+from neuralgaits.export.design import Design
 from neuralgaits.export.programs import policy_in_one
 from neuralgaits.export.robot_programs import Part
 from neuralgaits.programs.onnx_graph import OPERATOR_SET, graph
@@ -32,8 +32,8 @@ def metadata(design: Design) -> dict[str, str]:
     `units` describes each number and array.
     """
     origin, layout = design.origin, design.robot.layout
-    pairs = [*statement.numbers(design), *statement.arrays(design)]
-    words = statement.names(design) | {
+    pairs = [*controller_facts.numbers(design), *controller_facts.arrays(design)]
+    words = controller_facts.names(design) | {
         "about": "\n".join(controller_prose.prose(design)),
         "spec": origin.spec,
         "version": origin.version,

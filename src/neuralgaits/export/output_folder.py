@@ -24,9 +24,6 @@ _ADAPTATION_FILES = frozenset(("adapt.h", "adapt.c"))
 """Files that only a gait with a commanded speed has."""
 _BOARD_FILES = frozenset(("board_map.h", "board_map.c"))
 """Files that only an export with a deployment file has, but for its numbers."""
-_BOARD_FACTS = frozenset(("board_facts.h", "board_facts.c"))
-_SUFFIXES = (".c", ".h", ".onnx", ".fmu", ".cpp", ".hpp", ".xml", ".txt", ".vnnlib", ".csv", ".md")
-"""Suffixes of the files of an export."""
 
 
 def shipped() -> dict[str, str]:
@@ -78,7 +75,9 @@ def refuse_used(out: Path, *, force: bool) -> None:
             "replace the files of an export"
         )
     there = sorted(place.iterdir()) if place.is_dir() else []
-    ours = [out / entry.name for entry in there if entry.suffix in _SUFFIXES]
+    # Suffixes of the files of an export.
+    suffixes = ".c .h .onnx .fmu .cpp .hpp .xml .txt .vnnlib .csv .md".split()
+    ours = [out / entry.name for entry in there if entry.suffix in suffixes]
     refuse_unwritable(*ours, own=True)
     refuse_unwritable(out / "gait.h")
 
@@ -88,7 +87,8 @@ def refuse_stale_map(out: Path) -> None:
 
     Raises: InputError if there is such a file.
     """
-    stale = sorted(name for name in _BOARD_FILES | _BOARD_FACTS if (out / name).exists())
+    board_facts = frozenset(("board_facts.h", "board_facts.c"))
+    stale = sorted(name for name in _BOARD_FILES | board_facts if (out / name).exists())
     if stale:
         raise InputError(
             f"expected no {stale[0]} in {out}, found that of an export with --config, whose map "

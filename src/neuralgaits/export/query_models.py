@@ -9,7 +9,7 @@ from onnx import checker, helper
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError, MismatchError
 from neuralgaits.export.condition_query import INPUT, OUTPUT, ConditionQuery
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.onnx_model import IR_VERSION, REALS
 from neuralgaits.export.vnnlib_readme import README, readme
 from neuralgaits.export.vnnlib_text import model_name, query_name, query_texts
@@ -19,8 +19,6 @@ from neuralgaits.records.exported import QueryExport, QueryModel
 
 LIMIT = 1e-9
 """Largest distance of a model in double precision from Python, in scales or shares of a margin."""
-_ERRORS_ONLY = 3
-"""Severity from which the runtime writes messages."""
 
 
 def query_files(
@@ -117,7 +115,7 @@ def model_answers(model: bytes, x: np.ndarray) -> Float[np.ndarray, "B 1 m"]:
     """Return what ONNX Runtime makes of points, one call a point, in float64."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = _ERRORS_ONLY
+    options.log_severity_level = 3  # Errors only.
     # Beyond these, factors of a product are put into it as attributes, in single precision.
     options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_ENABLE_BASIC
     session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])

@@ -19,7 +19,7 @@ from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, SafeguardConfig, SafeguardState, check, guard
 from neuralgaits.control.touchdown import StanceState
 from neuralgaits.export.cases import NEVER, Cases
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.programs import path
 from neuralgaits.gait.commands import Pair
 
@@ -47,17 +47,14 @@ class Results(NamedTuple):
     step: np.ndarray
 
 
-_SCALARS = 8
-"""Columns of `Results` that are one number a case."""
-
-
 def results_of(design: Design, rows: np.ndarray) -> Results:
     """Split rows that C wrote into `Results`."""
     m, p, joints = design.robot.n - 1, len(design.commands), 2 * design.leg_joints
     sizes = [p, p, p, design.gait.policy.step_size]
-    widths = [1] * _SCALARS + [2, m, m, m, joints, joints, *sizes]
+    scalars = 8  # Columns of `Results` that are one number a case.
+    widths = [1] * scalars + [2, m, m, m, joints, joints, *sizes]
     parts = np.split(rows, np.cumsum(widths)[:-1], axis=1)
-    return Results(*(part[:, 0] for part in parts[:_SCALARS]), *parts[_SCALARS:])
+    return Results(*(part[:, 0] for part in parts[:scalars]), *parts[scalars:])
 
 
 class Reference:

@@ -9,12 +9,9 @@ from neuralgaits.deployment.board_map import BoardMap
 from neuralgaits.errors import SpecError
 from neuralgaits.export.board_source import BOARD_SOURCES
 from neuralgaits.export.build import CORE
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.source import quoted
 
-_UNUSED = ("link.c", "amber_log.c", "amber_log.h", "adapt.c", "adapt.h")
-"""Files of the controller in C that a plugin has no use for."""
-_SUPERVISOR = ("supervisor.c", "supervisor.h")
 _PLAIN = {
     "START": "blend_s: 1.0  # from holding the first posture to the gait\n    stance_leg: 0",
     "DEPEND": "",
@@ -43,7 +40,10 @@ def ros2_files(design: Design, controller: dict[str, str]) -> dict[str, str]:
     """
     if design.deployment is None:
         raise SpecError("expected a design with a deployment file, found none: give it one")
-    unused = _UNUSED if design.supervised else _UNUSED + _SUPERVISOR
+    # Files of the controller in C that a plugin has no use for.
+    unused = {"link.c", "amber_log.c", "amber_log.h", "adapt.c", "adapt.h"}
+    if not design.supervised:
+        unused |= {"supervisor.c", "supervisor.h"}
     own = {name: text for name, text in controller.items() if name not in unused}
     folder = resources.files("neuralgaits.export") / "ros2"
     texts = {

@@ -10,8 +10,6 @@ from neuralgaits.programs.c99.constant_arrays import Tables, braces, literal
 
 TABLES = ("fences", "torque", "inertia")
 """Fields of `ng_schedule` that point to numbers."""
-_TERMS = 32
-"""Largest number of terms in one direction: NG_SERIES of `c/controller.h`."""
 
 
 def schedule_fields(schedule: GainSchedule) -> dict[str, Float[np.ndarray, "..."]]:
@@ -22,9 +20,10 @@ def schedule_fields(schedule: GainSchedule) -> dict[str, Float[np.ndarray, "..."
     gait, gains = schedule.gait, schedule.gains
     stride = np.asarray(gait.stride, np.float64)
     fences = float(gait.tube.unit) * np.stack([gait.tube.lower, gait.tube.upper], axis=1)
-    if len(fences) > _TERMS:
+    most = 32  # Largest number of terms in one direction: NG_SERIES of `c/controller.h`.
+    if len(fences) > most:
         raise SpecError(
-            f"scheduled-pd: expected fences of at most {_TERMS} terms, found {len(fences)}: use pd"
+            f"scheduled-pd: expected fences of at most {most} terms, found {len(fences)}: use pd"
         )
     tables = {
         "fences": fences[:, None, :],

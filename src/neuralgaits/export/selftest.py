@@ -6,12 +6,10 @@ import numpy as np
 
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.export.cases import NEVER, Cases, of_guard, of_region
+from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import steady_steps
-from neuralgaits.export.facts import Design
 from neuralgaits.export.reference import Reference, Results
 from neuralgaits.programs.c99.constant_arrays import literal
-
-_FROM_REGION, _FROM_GUARD, _SEED = 12, 6, 20220117
 
 
 def selftest_file(design: Design, reference: Reference) -> str:
@@ -33,9 +31,11 @@ def selftest_file(design: Design, reference: Reference) -> str:
 
 
 def _cases(design: Design, reference: Reference) -> Cases:
-    region, guard = of_region(design, _FROM_REGION, _SEED), of_guard(design, _SEED)
+    seed = 20220117
+    region, guard = of_region(design, 12, seed), of_guard(design, seed)
     touching = np.flatnonzero(reference.evaluate(guard).touchdown)
-    some = touching[:: max(1, len(touching) // _FROM_GUARD)][:_FROM_GUARD]
+    count = 6
+    some = touching[:: max(1, len(touching) // count)][:count]
     joined = Cases.joined([region, guard.take(some), region.take(np.zeros(1, dtype=int))])
     tipped = joined.pitch.copy()
     tipped[-1] = 2.0 * design.safeguard.largest_pitch

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from neuralgaits.control import AbstractLaw
-from neuralgaits.export import controller_prose, statement
-from neuralgaits.export.facts import Design
+from neuralgaits.export import controller_facts, controller_prose
+from neuralgaits.export.design import Design
 from neuralgaits.export.programs import parts
 from neuralgaits.export.robot_programs import Part
 from neuralgaits.export.schedule_tables import schedule_literal
@@ -57,11 +57,14 @@ def _header(design: Design, functions: list[CFunction]) -> str:
         "/* Numbers with units. */",
         *(
             f"#define NG_{number.name.upper()} {_literal(number.value)} /* {number.unit} */"
-            for number in statement.numbers(design)
+            for number in controller_facts.numbers(design)
         ),
         "",
         "/* Arrays: see gait.c for units. */",
-        *(f"extern const ng_real {_declaration(array)};" for array in statement.arrays(design)),
+        *(
+            f"extern const ng_real {_declaration(array)};"
+            for array in controller_facts.arrays(design)
+        ),
         "",
         "/* Written from the Programs of the gait. */",
         *(f"{function.prototype};" for function in functions),
@@ -73,7 +76,7 @@ def _header(design: Design, functions: list[CFunction]) -> str:
 
 def _names(design: Design) -> list[str]:
     """Return macros without a unit; laws are numbered as in `ng_laws`."""
-    words = statement.names(design) | {
+    words = controller_facts.names(design) | {
         f"law_{name.replace('-', '_')}": number for number, name in enumerate(design.controllers)
     }
     return [
@@ -101,7 +104,7 @@ def _literal(value: float | int) -> str:
 def _code(design: Design, functions: list[CFunction], tables: Tables) -> str:
     arrays = [
         f"/* {array.unit} */\nconst ng_real {_declaration(array)} = {braces(array.value)};"
-        for array in statement.arrays(design)
+        for array in controller_facts.arrays(design)
     ]
     # Before the tables are written: a law may add some.
     laws = _laws(design, tables)
@@ -141,5 +144,5 @@ def _law(name: str, law: AbstractLaw, tables: Tables) -> str:
     return "{" + ", ".join(values) + "}"
 
 
-def _declaration(array: statement.Array) -> str:
+def _declaration(array: controller_facts.Array) -> str:
     return f"ng_{array.name}" + "".join(f"[{n}]" for n in np.shape(array.value))

@@ -11,16 +11,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.robots import PlanarBiped
 
-_FIRST_MOMENTUM = 0.09
-"""Momentum beyond that which just tips over the foot, with which a first step begins, in units of a
-point mass on the leg that turns at the pendulum's rate."""
-_GUESS_KNEE = 0.5
-"""Flexion of the knees that Newton's method starts from [rad]."""
-_NEWTON_STEPS = 60
-_ACCURACY = 1e-10
-_DIFFERENCE = 1e-6
-_LONGEST_MOVE = 0.3
-
 
 class Stand(NamedTuple):
     """A posture on two feet.
@@ -36,14 +26,6 @@ class Stand(NamedTuple):
     """Centre of mass ahead of the front foot, as a share of the distance of the feet."""
     lean: float = -0.1
     """Absolute angle of the torso, backwards positive [rad]."""
-
-
-_SPACING, _WIDE_SPACING = 0.40, 0.50
-"""Distance of the feet before and after a walk, as `Stand.spacing`."""
-_HEIGHTS = (0.91, 0.89, 0.87, 0.85, 0.83)
-_LEANING, _BRAKING, _SWAY = 0.0, -0.6, (-0.7, -0.3)
-"""Centre of mass where the first step begins, where the last one ends, and the two ends of how far
-it goes afterwards, as `Stand.ahead`."""
 
 
 class StandingPostures(NamedTuple):
@@ -64,22 +46,23 @@ class StandingPostures(NamedTuple):
 
 def standing_postures(robot: PlanarBiped) -> StandingPostures | None:
     """Return the postures of a robot; None if its legs cannot take them at any height."""
-    candidates = (_at_height(robot, height) for height in _HEIGHTS)
+    candidates = (_postures_at(robot, height) for height in (0.91, 0.89, 0.87, 0.85, 0.83))
     return next((postures for postures in candidates if postures is not None), None)
 
 
-def _at_height(robot: PlanarBiped, height: float) -> StandingPostures | None:
+def _postures_at(robot: PlanarBiped, height: float) -> StandingPostures | None:
     """Return the postures with the hip at a height, as `Stand.height`; None if there are none."""
     path, sway = [], []
     guess = None
-    # The path from standing to the first step.
-    for ahead in np.linspace(-0.5, _LEANING, 9):
-        guess = posture(robot, Stand(_SPACING, height, float(ahead)), guess)
+    # The path from standing to the first step, which begins with the centre of mass over the foot.
+    for ahead in np.linspace(-0.5, 0.0, 9):
+        guess = posture(robot, Stand(0.40, height, float(ahead)), guess)
         if guess is None:
             return None
         path.append(guess)
-    for ahead in (_BRAKING, *_SWAY):
-        guess = posture(robot, Stand(_WIDE_SPACING, height, ahead), path[0])
+    # Where the last step ends, and the two ends of how far the centre of mass goes afterwards.
+    for ahead in (-0.6, -0.7, -0.3):
+        guess = posture(robot, Stand(0.50, height, ahead), path[0])
         if guess is None:
             return None
         sway.append(guess)
@@ -97,16 +80,17 @@ def posture(
         guess: coordinates to start from; bent knees if None.
     """
     q = _bent(robot) if guess is None else np.array(guess)
-    for _ in range(_NEWTON_STEPS):
+    difference = 1e-6
+    for _ in range(60):
         missed = _distance(robot, stand, q)
-        if np.max(np.abs(missed)) < _ACCURACY:
+        if np.max(np.abs(missed)) < 1e-10:
             fits = np.all((q[1:] >= robot.joint_lower) & (q[1:] <= robot.joint_upper))
             return q if fits else None
-        nearby = [_distance(robot, stand, q + row) for row in _DIFFERENCE * np.eye(len(q))]
-        slope = (np.array(nearby) - missed).T / _DIFFERENCE
+        nearby = [_distance(robot, stand, q + row) for row in difference * np.eye(len(q))]
+        slope = (np.array(nearby) - missed).T / difference
         # Legs of more links than two have further freedom: they stay near the guess.
         move = np.linalg.lstsq(slope, missed, rcond=None)[0]
-        q = q - move * min(1.0, _LONGEST_MOVE / float(np.max(np.abs(move))))
+        q = q - move * min(1.0, 0.3 / float(np.max(np.abs(move))))
     return None
 
 
@@ -148,7 +132,8 @@ def _point(
 def _bent(robot: PlanarBiped) -> Float[np.ndarray, " n"]:
     """Return coordinates of a robot with bent knees, the middle of each joint's range at most."""
     middle = 0.5 * (robot.joint_lower + robot.joint_upper)
-    return np.concatenate([[0.0], np.clip(middle, -_GUESS_KNEE, _GUESS_KNEE)])
+    knee = 0.5  # Flexion of the knees that Newton's method starts from [rad].
+    return np.concatenate([[0.0], np.clip(middle, -knee, knee)])
 
 
 def pendulum_rate(robot: PlanarBiped) -> float:
@@ -158,4 +143,7 @@ def pendulum_rate(robot: PlanarBiped) -> float:
 
 def first_momentum(robot: PlanarBiped) -> float:
     """Return the momentum beyond just tipping over, with which a first step begins (kg m^2/s)."""
-    return _FIRST_MOMENTUM * float(robot.mass) * robot.leg_length**2 * pendulum_rate(robot)
+    # Momentum beyond that which just tips over the foot, with which a first step begins, in units
+    # of a point mass on the leg that turns at the pendulum's rate.
+    share = 0.09
+    return share * float(robot.mass) * robot.leg_length**2 * pendulum_rate(robot)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from neuralgaits.export.condition_query import INPUT, OUTPUT, ConditionQuery
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.records.exported import QueryModel
 
 README = "README.md"

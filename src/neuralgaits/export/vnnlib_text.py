@@ -4,10 +4,6 @@ from decimal import Decimal
 
 from neuralgaits.export.condition_query import INPUT, OUTPUT, ConditionQuery, QueryBox
 
-TIMEOUT = 300
-"""Seconds that `instances.csv` gives a tool for each query; anybody may edit it."""
-INSTANCES = "instances.csv"
-
 
 def model_name(query: ConditionQuery) -> str:
     """Return the file name of the model of a condition."""
@@ -22,12 +18,13 @@ def query_name(query: ConditionQuery, number: int) -> str:
 def query_texts(queries: tuple[ConditionQuery, ...]) -> dict[str, str]:
     """Return the text of every query and of the list of instances, by file name."""
     texts, rows = {}, []
+    timeout = 300  # Seconds that `instances.csv` gives a tool for each query; anybody may edit it.
     for query in queries:
         for number, box in enumerate(query.boxes):
             name = query_name(query, number)
             texts[name] = query_text(query, box)
-            rows.append(f"{model_name(query)},{name},{TIMEOUT}\n")
-    return texts | {INSTANCES: "".join(rows)}
+            rows.append(f"{model_name(query)},{name},{timeout}\n")
+    return texts | {"instances.csv": "".join(rows)}
 
 
 def query_text(query: ConditionQuery, box: QueryBox) -> str:

@@ -14,11 +14,6 @@ from neuralgaits.gait.network import Network, scaled_inputs
 from neuralgaits.gait.posture import Posture
 from neuralgaits.robots.feet import FlatFeet
 
-HIDDEN = (8,)
-"""Widths of the hidden layers: the torque is one smooth bump."""
-SHARE = 0.9
-"""Share of the motor's limit that a policy may ask for."""
-
 
 class AnkleTorque(eqx.Module):
     """u_a(z) = most (2 logistic(N(z)) - 1), positive where it pushes the robot forward.
@@ -43,8 +38,10 @@ class AnkleTorque(eqx.Module):
             posture: nominal posture, for the scales of z.
             key: random key of the network.
         """
-        network = Network.init((2, *HIDDEN, 1), activation="tanh", key=key, near=np.zeros(1))
-        most = np.asarray(SHARE * feet.torque_limit)
+        hidden = (8,)  # Widths of the hidden layers: the torque is one smooth bump.
+        network = Network.init((2, *hidden, 1), activation="tanh", key=key, near=np.zeros(1))
+        share = 0.9  # Share of the motor's limit that a policy may ask for.
+        most = np.asarray(share * feet.torque_limit)
         return cls(network, most, posture.input_scale, posture.input_shift)
 
     def __call__(self, z: ZeroState) -> Scalar:

@@ -24,8 +24,6 @@ LEAN = "lean"
 """Command that says how far ahead of the file the torso's centre of mass is believed to be."""
 SLOPE = "slope"
 """Command that says how the ground under the next foothold lies."""
-LEAST_WIDTH = 1e-6
-"""Smallest width of the range of a command, in its unit."""
 
 CommandPoint = Float[Array, " k"]
 """A point of the commands' axes, see `Command.axes`."""
@@ -59,9 +57,10 @@ class Command:
                 f"command {self.name}: expected a range LOW:HIGH with LOW < HIGH, "
                 f"found {self.low:g}:{self.high:g}{remedy}"
             )
-        if self.high - self.low < LEAST_WIDTH:
+        least_width = 1e-6  # Smallest width of the range of a command, in its unit.
+        if self.high - self.low < least_width:
             raise SpecError(
-                f"command {self.name}: expected a range at least {LEAST_WIDTH:g} {self.unit} wide, "
+                f"command {self.name}: expected a range at least {least_width:g} {self.unit} wide, "
                 f"found {self.low:g}:{self.high:g}"
             )
         known = KNOWN_COMMANDS.get(self.name)
@@ -282,8 +281,8 @@ def values(commands: Commands, command_values: Mapping[Any, Any]) -> Float[np.nd
         try:
             value = decimal(command_values[c.name])
         except (TypeError, ValueError):
-            found = shown(command_values[c.name])
-            raise InputError(f"expected {c.name} as a number, found {found}") from None
+            text = shown(command_values[c.name])
+            raise InputError(f"expected {c.name} as a number, found {text}") from None
         if not c.low <= value <= c.high:
             degrees = c.in_degrees("{} to {}, and {}", c.low, c.high, value)
             raise InputError(

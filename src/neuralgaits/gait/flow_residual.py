@@ -11,11 +11,6 @@ from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.gait.activations import tanh
 from neuralgaits.gait.network import Network, movable, scaled_inputs
 
-BOUND_QUANTILE, BOUND_FACTOR = 0.99, 2.0
-"""A residual is bounded by this quantile of the defects it is learned from, times this factor."""
-LEAST_BOUND = (1e-3, 1e-2)
-"""Bounds where the model has no defect (m/s, N m): a bound of zero has no gradient."""
-
 
 class Residual(eqx.Module):
     """epsilon(z) = bound * tanh(N(z / scale - shift)), N a small tanh network.
@@ -52,9 +47,12 @@ class Residual(eqx.Module):
         """
         # Inputs are scaled by this many standard deviations of the states learned from.
         scale = 1.5 * np.maximum(np.std(states, axis=0), 1e-3 * np.abs(states).max(axis=0))
-        sizes = np.quantile(np.abs(defects), BOUND_QUANTILE, axis=0)
+        # A residual is bounded by twice this quantile of the defects it is learned from.
+        sizes = np.quantile(np.abs(defects), 0.99, axis=0)
         network = Network.init((2, *hidden, 2), activation="tanh", key=key, near=np.zeros(2))
-        bound = np.maximum(BOUND_FACTOR * sizes, LEAST_BOUND)
+        # Bounds where the model has no defect (m/s, N m): a bound of zero has no gradient.
+        least_bound = (1e-3, 1e-2)
+        bound = np.maximum(2.0 * sizes, least_bound)
         return cls(network, scale, np.mean(states, axis=0) / scale, bound)
 
     @classmethod

@@ -21,14 +21,10 @@ REFERENCE_MASS_KG = 21.5562
 """Mass of AMBER-3M, for which scales of conditions were tuned."""
 GUARD = 0.17 / REFERENCE_LEG_M
 """z1 at the guard, in leg lengths."""
-HIP_HEIGHT = 0.835 / REFERENCE_LEG_M
-"""Hip height of the inverse kinematics path, in leg lengths."""
 CLEARANCE = 0.03 / REFERENCE_LEG_M
 """Swing-foot height in mid-step on that path, in leg lengths."""
 MOMENTUM = 0.363
 """Typical z2 of a walk, in m l sqrt(g l)."""
-TORSO_LEAN = -0.05
-"""Torso angle of the path [rad]: slightly forward."""
 SWING_THIGH = 0.40
 """Up-angle of the swing thigh at the guard [rad]."""
 GUARD_LEAN = -0.15
@@ -38,14 +34,14 @@ STANCE_KNEE_SLOPE, SWING_KNEE_SLOPE, HIP_SLOPE = 1.6, -0.3, 0.3
 """Slopes at the guard of both knees and the stance hip in z1, of the reference robot [rad/m]."""
 KNEE_LIFT, HIP_LIFT = 0.2, -0.05
 """Biases of swing knee and swing hip that lift the foot in mid-step."""
-Z1_SCALE = 0.2 / REFERENCE_LEG_M
-"""Scale of the network's first input, in leg lengths."""
 KNEE_SLACK = 0.02
 """Distance of the output bounds from the stop of a straight knee [rad]."""
 HIP_SLACK = 0.1
 """Distance of the hips at the guard, and of ankles always, from their stops [rad]."""
-KNEE_RANGE, HIP_RANGE = 1.5, (-1.2, 0.6)
-"""Widest bounds of knees (away from straight) and hips [rad]."""
+KNEE_RANGE = 1.5
+"""Widest bound of knees, away from straight [rad]."""
+HIP_RANGE = (-1.2, 0.6)
+"""Widest bounds of hips [rad]."""
 
 
 class Frame(TypedDict):
@@ -139,7 +135,8 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
         guard[-1] = robot.link_angles[-1] @ np.concatenate([[first], guard])
     slopes *= REFERENCE_LEG_M / length
     guard = np.clip(guard, lower, upper)
-    scale = np.array([Z1_SCALE * length, MOMENTUM * momentum_unit(robot) / 3.0])
+    z1_scale = 0.2 / REFERENCE_LEG_M  # Scale of the network's first input, in leg lengths.
+    scale = np.array([z1_scale * length, MOMENTUM * momentum_unit(robot) / 3.0])
     return Posture(
         lower=lower,
         upper=upper,
@@ -200,11 +197,14 @@ def posture_path(robot: "PlanarBiped", z1: Float[np.ndarray, " N"]) -> Float[np.
         theta = angles(position, outputs)
         phase = position / posture.z_guard
         clearance = CLEARANCE * length * max(0.0, 1.0 - phase * phase)
-        lean = 0.0 if robot.torso is None else theta[robot.torso] - TORSO_LEAN
+        torso_lean = -0.05  # Torso angle of the path [rad]: slightly forward.
+        lean = 0.0 if robot.torso is None else theta[robot.torso] - torso_lean
+        # Hip height of the inverse kinematics path, in leg lengths.
+        hip_height = 0.835 / REFERENCE_LEG_M
         return np.concatenate(
             [
                 [
-                    robot.hip @ np.cos(theta) - HIP_HEIGHT * length,
+                    robot.hip @ np.cos(theta) - hip_height * length,
                     -(robot.foot @ np.sin(theta)) - 2.0 * position,
                     robot.foot @ np.cos(theta) - clearance,
                     0.3 * lean,

@@ -15,9 +15,6 @@ from neuralgaits.robots.mjcf.leaning import lean_series
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
-MOST_FROUDE = 4.0
-"""Limit on v^2 / (g L). At 1 the feet of stiff legs leave the floor; at 4 a walk at twice that
-speed would need a floor that pulls with three times the weight."""
 FRICTION = 0.45
 """Friction of the floor in the conditions of the walk: feet slip on a steeper slope."""
 
@@ -52,7 +49,10 @@ def refuse_speed(robot: "PlanarBiped", speed: float) -> None:
         raise SpecError(f"expected a speed above 0 m/s, found {speed:g}")
     if speed > FASTEST:
         raise SpecError(f"expected a speed of at most {FASTEST:g} m/s, found {speed:g}")
-    most = math.sqrt(MOST_FROUDE * float(robot.gravity) * robot.leg_length)
+    # Limit on v^2 / (g L). At 1 the feet of stiff legs leave the floor; at 4 a walk at twice that
+    # speed would need a floor that pulls with three times the weight.
+    most_froude = 4.0
+    most = math.sqrt(most_froude * float(robot.gravity) * robot.leg_length)
     if speed > most:
         raise SpecError(
             f"expected a speed of at most {most:.3g} m/s for legs of {robot.leg_length:.2f} m, "

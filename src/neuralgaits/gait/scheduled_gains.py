@@ -101,7 +101,7 @@ class GainErrors:
         axes = np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in counts), indexing="ij")
         charts = np.stack(axes, axis=-1).reshape(-1, 2)
         torque, inertia = map(np.asarray, torque_and_inertia(robot, gait, charts))
-        fitted_torque, fitted_inertia = map(np.asarray, _at(gains, charts))
+        fitted_torque, fitted_inertia = map(np.asarray, _evaluate(gains, charts))
         if not (np.all(np.isfinite(fitted_torque)) and np.all(np.isfinite(fitted_inertia))):
             return cls(np.inf, np.inf)
         lost = np.eye(inertia.shape[1]) - np.linalg.solve(inertia, fitted_inertia)
@@ -131,7 +131,7 @@ def torque_and_inertia(
 
 
 @quick_filter_jit
-def _at(gains: ScheduledGains, charts: Float[Array, "N 2"]) -> tuple[Array, Array]:
+def _evaluate(gains: ScheduledGains, charts: Float[Array, "N 2"]) -> tuple[Array, Array]:
     return jax.vmap(lambda u: (gains.torque_at(u), gains.inertia_at(u)))(charts)
 
 

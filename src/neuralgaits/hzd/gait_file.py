@@ -32,9 +32,6 @@ _FIELDS = {
     "bezier": "a row of control points [rad] for each joint",
     "p": "z1 at the end and at the start of a step [m]",
 }
-_OPTIONAL = "signs", "offsets", "gaits"
-LARGEST_RAD = 4.0 * np.pi
-"""Largest control point [rad]; a larger one is in another unit, or of no joint."""
 
 
 class GivenGait(NamedTuple):
@@ -89,10 +86,12 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
             f"{_names_of_gaits(joints)}: name its rows so, or give the robot that they are of"
         )
     rows = _rows(file, table["bezier"], list(map(str, joints)))
-    if not np.abs(rows).max(initial=0.0) <= LARGEST_RAD:
+    # Largest control point [rad]; a larger one is in another unit, or of no joint.
+    largest_rad = 4.0 * np.pi
+    if not np.abs(rows).max(initial=0.0) <= largest_rad:
         raise InputError(
             f'{file}: expected "bezier" in radians, found {np.abs(rows).max():g}: no joint turns '
-            f"beyond {LARGEST_RAD:.3g} rad; convert it"
+            f"beyond {largest_rad:.3g} rad; convert it"
         )
     end, start = _numbers(file, table, "p", 2).tolist()
     if not 1 <= rows.shape[1] - 1 <= HIGHEST_DEGREE:
@@ -154,7 +153,8 @@ def _choose(file: Path, tables: Mapping[str, Any], name: str | None) -> Mapping[
 
 def _refuse_misspelt(file: Path, gait: Mapping[str, Any]) -> None:
     """Refuse a field that is most likely another's name, misspelt. Raises: InputError."""
-    field_names = (*_FIELDS, *_OPTIONAL)
+    optional = ("signs", "offsets", "gaits")
+    field_names = (*_FIELDS, *optional)
     for field in gait:
         if field not in field_names and (hint := meant(field, field_names)):
             raise InputError(

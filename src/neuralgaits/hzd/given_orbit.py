@@ -11,15 +11,6 @@ from neuralgaits.analysis.poincare_map import cycle, motion_of, orbit_between
 from neuralgaits.analysis.point_evaluator import PointEvaluator
 from neuralgaits.gait import ZeroDynamics
 
-SLOWEST, FASTEST, TRIED = 0.01, 2.0, 200
-"""Slowest and fastest speed of the search for an orbit, in sqrt(g l), and number of speeds.
-
-They are speeds at the section. Slow orbits pass it barely faster than a walk that does not get over
-the foot; a coarse grid misses them.
-"""
-STEPS = 240
-"""Number of intervals of z1 along a step; quadratures of curved functions are good to 1e-5."""
-
 
 class Steady(NamedTuple):
     """An orbit on the zero dynamics, from touchdown to touchdown."""
@@ -39,13 +30,17 @@ def steady(zd: ZeroDynamics) -> Steady | str:
     weight, leg = float(robot.mass * robot.gravity), robot.leg_length
     pace = float(robot.mass) * leg * np.sqrt(float(robot.gravity) * leg)
     motion, mesh = motion_of(zd), Mesh.of_leg(robot.leg_length)
-    z2 = pace * np.linspace(SLOWEST, FASTEST, TRIED)
+    # Speeds at the section, in sqrt(g l). Slow orbits pass it barely faster than a walk that does
+    # not get over the foot; a coarse grid misses them.
+    z2 = pace * np.linspace(0.01, 2.0, 200)
     with np.errstate(all="ignore"):
         orbit = orbit_between(motion, z2, returns(motion, z2, mesh).z2, mesh)
     if orbit.result != "found":
         return orbit.result
     start, guard = float(motion.z_after(orbit.guard_state[None])[0, 0]), float(orbit.guard_state[0])
-    one = cycle(motion, orbit, Mesh.of_gait(start, guard, STEPS))
+    # Number of intervals of z1 along a step; quadratures of curved functions are good to 1e-5.
+    steps = 240
+    one = cycle(motion, orbit, Mesh.of_gait(start, guard, steps))
 
     def power(z):
         point = zd.point(z)

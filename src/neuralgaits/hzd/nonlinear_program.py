@@ -17,16 +17,8 @@ from neuralgaits.hzd.collocation import Nodes
 from neuralgaits.hzd.transcription import StepFunctions
 from neuralgaits.robots import PlanarBiped
 
-FOOT_SCALE, RATE_SCALE = 0.1, 10.0
-"""Sizes of the foot's height [m] and of rates [rad/s] in the equations, so that all are alike."""
-SHORTEST, LONGEST = 0.05, 0.45
-"""Shortest and longest distance of z1 at either end of the step from the middle, in leg lengths."""
-MOST_KEPT = 0.95
-"""Largest share of zeta that an impact may leave: on outputs of z1 alone that is the slope of the
-Poincare map, which must be below one for an attracting orbit."""
 LEAST_ZETA, MOST_ZETA = 1e-2, 10.0
 """Bounds of zeta, in its unit."""
-_OF_END = ("foot", "z1", "zeta", "outputs", "rates")
 
 
 class NonlinearProgram(NamedTuple):
@@ -74,15 +66,22 @@ def problem(
     equal.append(followed[1:])
     weights = casadi.DM(mesh.weights)
     end = step.end(rows, ends, 1.0, zeta[count - 1])
-    constraints += [value for name, value in end.items() if name not in _OF_END]
-    constraints.append(MOST_KEPT - end["zeta"] / zeta[count - 1])
+    end_equations = ("foot", "z1", "zeta", "outputs", "rates")
+    constraints += [value for name, value in end.items() if name not in end_equations]
+    # Largest share of zeta that an impact may leave: on outputs of z1 alone that is the slope of
+    # the Poincare map, which must be below one for an attracting orbit.
+    most_kept = 0.95
+    constraints.append(most_kept - end["zeta"] / zeta[count - 1])
     length, height = end["foot"][0], end["foot"][1]
+    # Sizes of the foot's height [m] and of rates [rad/s] in the equations, so that all are alike.
+    foot_scale = 0.1
+    rate_scale = 10.0
     equal += [
-        height / FOOT_SCALE,
+        height / foot_scale,
         end["z1"] - ends[0],
         end["zeta"] - zeta[0],
         end["outputs"],
-        end["rates"] / RATE_SCALE,
+        end["rates"] / rate_scale,
         length - speed * casadi.dot(weights, pace),
     ]
     weight = float(robot.mass * robot.gravity)
@@ -109,7 +108,10 @@ def _bounds(
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
     """Return bounds on control points: a curve stays in their hull, so in the joints' ranges."""
     leg, ranges = robot.leg_length, (robot.joint_lower, robot.joint_upper)
-    ends = ([-LONGEST * leg, SHORTEST * leg], [-SHORTEST * leg, LONGEST * leg])
+    # Shortest and longest distance of z1 at either end of the step from the middle, in leg lengths.
+    shortest = 0.05
+    longest = 0.45
+    ends = ([-longest * leg, shortest * leg], [-shortest * leg, longest * leg])
     zetas = (np.full(count, LEAST_ZETA), np.full(count, MOST_ZETA))
     low, high = (
         np.concatenate([np.repeat(np.asarray(joint), degree + 1), end, zeta])

@@ -20,26 +20,6 @@ from neuralgaits.robots import PlanarBiped
 
 DEGREE = 5
 """Degree of the outputs' polynomials."""
-NODES = 24
-"""Degree of the collocation; zeta of such gaits has errors of 1e-8."""
-SMOOTHING_W = (5.0, 0.3)
-"""Powers below which |power| is rounded off [W], for one solution after the other."""
-SPEC = "walking"
-"""Spec whose conditions the gait must satisfy along its orbit."""
-ITERATIONS = 500
-OPTIONS = {
-    "print_time": False,
-    "ipopt": {
-        "print_level": 0,
-        "sb": "yes",
-        "max_iter": ITERATIONS,
-        "tol": 1e-6,
-        # Half the iterations of the monotone strategy, at the slowest of ten speeds.
-        "mu_strategy": "adaptive",
-    },
-}
-GRID = 33
-"""Hip positions at which inverse kinematics gives a posture to start from."""
 
 
 class OptimisedGait(NamedTuple):
@@ -66,11 +46,26 @@ class Optimiser:
             )
         import casadi  # pyright: ignore[reportMissingImports]
 
-        self._robot, self._degree, self._mesh = robot, degree, nodes(NODES)
-        step = transcribe(casadi, robot, specs.load(SPEC, robot), degree)
+        self._robot, self._degree = robot, degree
+        # With so many nodes zeta of such gaits has errors of 1e-8.
+        self._mesh = nodes(24)
+        # The gait must satisfy the conditions of this spec along its orbit.
+        spec = specs.load("walking", robot)
+        step = transcribe(casadi, robot, spec, degree)
         self._unit = step.unit
         self._problem: NonlinearProgram = problem(casadi, robot, step, self._mesh, degree)
-        self._solver: Any = casadi.nlpsol("gait", "ipopt", self._problem.symbols, OPTIONS)
+        options = {
+            "print_time": False,
+            "ipopt": {
+                "print_level": 0,
+                "sb": "yes",
+                "max_iter": 500,
+                "tol": 1e-6,
+                # Half the iterations of the monotone strategy, at the slowest of ten speeds.
+                "mu_strategy": "adaptive",
+            },
+        }
+        self._solver: Any = casadi.nlpsol("gait", "ipopt", self._problem.symbols, options)
 
     def at(self, speed: float) -> OptimisedGait:
         """Return the gait of least cost of transport at a mean speed (m/s).
@@ -80,7 +75,9 @@ class Optimiser:
         start_time, x, count = time.perf_counter(), self._start(speed), 0
         low, high = self._problem.x_bounds
         least, most = self._problem.g_bounds
-        for smoothing in SMOOTHING_W:
+        # Powers below which |power| is rounded off [W], for one solution after the other.
+        smoothing_w = (5.0, 0.3)
+        for smoothing in smoothing_w:
             solution = self._solver(
                 x0=x, p=[speed, smoothing], lbx=low, ubx=high, lbg=least, ubg=most
             )
@@ -100,7 +97,8 @@ class Optimiser:
     def _start(self, speed: float) -> Float[np.ndarray, " n"]:
         """Return a rough step by inverse kinematics, as fast as a linear inverted pendulum."""
         robot, guard = self._robot, walking_posture(self._robot).z_guard
-        phases = np.linspace(0.0, 1.0, GRID)
+        count = 33  # Hip positions at which inverse kinematics gives a posture to start from.
+        phases = np.linspace(0.0, 1.0, count)
         path = posture_path(robot, guard * (2.0 * phases - 1.0))
         powers = range(self._degree + 1)
         basis = np.stack(

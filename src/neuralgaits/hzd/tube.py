@@ -23,10 +23,6 @@ from neuralgaits.hzd.given_orbit import Steady
 
 KEPT = 0.25
 """Share of its margin on the orbit that each condition keeps on the fences."""
-WIDEST, NARROWEST = 0.5, 0.01
-"""Widest and narrowest half width of the tube, as a share of the orbit's least zeta; the narrowest
-applies where conditions leave no room for more."""
-HALVINGS = 24
 PHASES, LEVELS = 121, 9
 """Numbers of phases and levels at which conditions are evaluated."""
 
@@ -54,11 +50,15 @@ def fit_tube(zd: ZeroDynamics, spec: GaitSpec, walk: Steady) -> Tube:
         sides = (middle - width * shape, middle + width * shape)
         return eqx.tree_at(lambda t: (t.lower, t.upper), bare, sides)
 
-    room = _room(zd, spec, tube(float(NARROWEST * zeta.min())), walk)
-    low, high = NARROWEST * float(zeta.min()), WIDEST * float(zeta.min())
+    # Widest and narrowest half width of the tube, as a share of the orbit's least zeta; the
+    # narrowest applies where conditions leave no room for more.
+    widest = 0.5
+    narrowest = 0.01
+    room = _room(zd, spec, tube(float(narrowest * zeta.min())), walk)
+    low, high = narrowest * float(zeta.min()), widest * float(zeta.min())
     if room(tube(high)):
         return tube(high)
-    for _ in range(HALVINGS):
+    for _ in range(24):
         half = 0.5 * (low + high)
         low, high = (half, high) if room(tube(half)) else (low, half)
     return tube(low)

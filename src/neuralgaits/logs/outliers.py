@@ -13,8 +13,6 @@ from neuralgaits.logs.walk_table import Log
 NEIGHBOURS = 3
 """Number of neighbouring rows on either side."""
 ANGLE_RAD = 0.02
-# Standard deviation of normal noise over the median of its absolute value.
-_NORMAL = 1.4826
 
 
 def outliers(log: Log) -> Bool[np.ndarray, " k"]:
@@ -37,6 +35,7 @@ def stand_out(values: Float[np.ndarray, "k n"], floor: float) -> Bool[np.ndarray
     padded = np.pad(values, ends, mode="edge")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=0)
     distance = np.abs(values - np.median(around, axis=-1))
-    noise = _NORMAL * np.median(distance, axis=0)
+    # Standard deviation of normal noise over the median of its absolute value.
+    noise = 1.4826 * np.median(distance, axis=0)
     # Threshold in robust standard deviations of the log's own scatter about its running median.
     return distance > np.maximum(floor, 6.0 * noise)

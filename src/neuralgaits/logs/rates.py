@@ -17,11 +17,6 @@ HALF_WINDOWS_S = (0.01, 0.04)
 """Shortest and longest reach of a window to either side [s]. Near the ends of a piece a window is
 as long, one-sided, and its noise about four times as large."""
 DEGREE = 2
-_BLOCK = 4096
-"""Number of rows at a time, since a log may be long."""
-# Standard deviation of normal noise over the median of its absolute value; that of the third
-# difference of white noise over its own.
-_NORMAL, _THIRD = 1.4826, math.sqrt(20.0)
 
 
 def noise(values: Float[np.ndarray, "k c"]) -> float:
@@ -33,7 +28,9 @@ def noise(values: Float[np.ndarray, "k c"]) -> float:
     if len(values) < 4:
         return 0.0
     spread = np.median(np.abs(np.diff(values, n=3, axis=0)), axis=0)
-    return float(_NORMAL / _THIRD * spread.max())
+    normal = 1.4826  # Standard deviation of normal noise over the median of its absolute value.
+    third = math.sqrt(20.0)  # That of the third difference of white noise over its own.
+    return float(normal / third * spread.max())
 
 
 def half_window(period_s: float, noise_rad: float) -> float:
@@ -68,6 +65,7 @@ def rates(
     if len(t) < 2:
         return derivatives
     half = max(1, round(reach_s / float(np.median(np.diff(t)))))
+    at_once = 4096  # Number of rows at a time, since a log may be long.
     for rows in np.split(np.arange(len(t)), np.flatnonzero(np.diff(piece)) + 1):
         if rows.size <= DEGREE:
             continue
@@ -77,8 +75,8 @@ def rates(
             width = min(2 * half + 1, holding.size)
             place = some - holding[0]
             starts = np.clip(place - half, 0, holding.size - width)
-            for begin in range(0, some.size, _BLOCK):
-                part = slice(begin, begin + _BLOCK)
+            for begin in range(0, some.size, at_once):
+                part = slice(begin, begin + at_once)
                 window = holding[starts[part, None] + np.arange(width)]
                 derivatives[some[part]] = _slopes(t, values, spoilt, some[part], window, reach_s)
     return derivatives

@@ -16,29 +16,6 @@ from neuralgaits.logs.walk_table import Log
 from neuralgaits.logs.zero_states import foot_heights, zero_states
 from neuralgaits.robots import PlanarBiped
 
-PERIODS_S = (1e-4, 1.05e-2)
-"""Limits on the sample period of a walking robot's log: learning uses a sample every 10 ms [s]."""
-LONGEST_PAUSE_S = 60.0
-"""Longest pause in a recording [s]: rows further apart are two recordings, or a clock that was
-set."""
-JOINT_SLACK_RAD = 0.1
-"""Reach of joints past their range [rad]: stops give way, and encoders have offsets."""
-FASTEST_RAD_S = 40.0
-"""Fastest joint rate of a walking robot, a fall included: eight times AMBER-3M's motors."""
-BASELINE_S = 0.02
-"""Time over which angles are compared with rates: over one row encoder noise would hide them."""
-RATE_RATIO = (0.4, 2.5)
-"""Change of an angle over the rate beside it: 1 but for noise."""
-SLOWEST_RAD_S = 0.2
-"""Least rate at which a joint says anything about units: below, it is at rest, or noise."""
-Z1_TOLERANCE_M = 1e-3
-PITCH_TOLERANCE_RAD = 0.1
-"""Largest difference of pitch and joint angles, from offsets and noise."""
-SMALLEST_TORQUE = 1e-3
-"""Least torque that a walking robot commands somewhere, as a share of mass * g * leg length."""
-LOWEST_FOOT = -0.005
-"""Usual lower limit of the swing foot's height over the stance foot, in leg lengths."""
-
 
 class _Range(NamedTuple):
     name: str
@@ -104,7 +81,8 @@ def check_times(
             f"{where(row)}: expected a time after {t[row - 1]:.6g} s, found {t[row]:.6g} s, "
             f"{what}: delete repeated rows, and split the file where a new recording begins"
         )
-    shortest, longest = PERIODS_S
+    # Limits on the sample period of a walking robot's log: learning uses a sample every 10 ms [s].
+    shortest, longest = 1e-4, 1.05e-2
     period = float(np.median(steps))
     if not shortest <= period <= longest:
         off = "seconds where milliseconds belong" if period < shortest else "milliseconds"
@@ -112,11 +90,14 @@ def check_times(
             f"{where(1)}: expected rows {1e3 * shortest:g} to {1e3 * longest:g} ms apart, found "
             f"{1e3 * period:g} ms: convert the times if they are {off}, or log faster"
         )
-    pauses = np.flatnonzero(steps > LONGEST_PAUSE_S)
+    # Longest pause in a recording [s]: rows further apart are two recordings, or a clock that was
+    # set.
+    longest_pause_s = 60.0
+    pauses = np.flatnonzero(steps > longest_pause_s)
     if pauses.size:
         row = int(pauses[0]) + 1
         raise InputError(
-            f"{where(row)}: expected a time at most {LONGEST_PAUSE_S:g} s after "
+            f"{where(row)}: expected a time at most {longest_pause_s:g} s after "
             f"{t[row - 1]:.6g} s, found {t[row]:.6g} s: split the file where a new recording begins"
         )
 
@@ -124,22 +105,26 @@ def check_times(
 def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
     turn = np.pi
     fastest = 100.0  # Desired rate [rad/s]: the authors' own controller stops beyond it.
+    # Reach of joints past their range [rad]: stops give way, and encoders have offsets.
+    slack_rad = 0.1
+    # Fastest joint rate of a walking robot, a fall included: eight times AMBER-3M's motors.
+    fastest_rad_s = 40.0
     for i, name in enumerate(log.joint_names[1:]):
-        low = float(robot.joint_lower[i]) - JOINT_SLACK_RAD
-        high = float(robot.joint_upper[i]) + JOINT_SLACK_RAD
+        low = float(robot.joint_lower[i]) - slack_rad
+        high = float(robot.joint_upper[i]) + slack_rad
         # Commanded torques before saturation stay below this many torque limits.
         most = 10.0 * float(robot.torque_limit[i])
         yield _Range(f"q_{name}", log.q[:, i + 1], low, high, "rad")
-        yield _Range(f"dq_{name}", log.dq[:, i + 1], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+        yield _Range(f"dq_{name}", log.dq[:, i + 1], -fastest_rad_s, fastest_rad_s, "rad/s")
         yield _Range(f"qd_{name}", log.qd[:, i], -turn, turn, "rad")
         yield _Range(f"dqd_{name}", log.dqd[:, i], -fastest, fastest, "rad/s")
         yield _Range(f"tau_{name}", log.tau[:, i], -most, most, "N m")
     yield _Range("pitch", log.pitch, -turn, turn, "rad")
-    yield _Range("dpitch", log.dpitch, -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+    yield _Range("dpitch", log.dpitch, -fastest_rad_s, fastest_rad_s, "rad/s")
     # Last: some robots' files leave this one to follow from the others.
     first = log.joint_names[0]
     yield _Range(f"q_{first}", log.q[:, 0], -turn, turn, "rad")
-    yield _Range(f"dq_{first}", log.dq[:, 0], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+    yield _Range(f"dq_{first}", log.dq[:, 0], -fastest_rad_s, fastest_rad_s, "rad/s")
     if log.z is not None:
         reach = float(np.abs(robot.hip_gradient).sum()) * turn
         length = robot.leg_length
@@ -176,10 +161,12 @@ def _longest_run(rows: Int[np.ndarray, " b"]) -> int:
 
 def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None:
     """Check that angles change at the rates beside them: else times, angles or rates are off."""
-    ahead = max(1, round(BASELINE_S / log.period_s))
+    # Time over which angles are compared with rates: over one row encoder noise would hide them.
+    baseline_s = 0.02
+    ahead = max(1, round(baseline_s / log.period_s))
     span = log.t[ahead:] - log.t[:-ahead]
     stays = good[ahead:] & good[:-ahead] & (log.stance[ahead:] == log.stance[:-ahead])
-    stays &= span < 2.0 * BASELINE_S
+    stays &= span < 2.0 * baseline_s
     if not stays.any():
         return
     names, angles, rates = _turning(log)
@@ -191,9 +178,11 @@ def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None
     rate = (travelled[ahead:] - travelled[:-ahead])[stays] / span[stays, None]
     # Medians: a glitch in the middle of a span counts for nothing.
     fast_slope, fast_rate = (np.median(np.abs(part), axis=0) for part in (slope, rate))
-    lowest, highest = RATE_RATIO
+    lowest, highest = 0.4, 2.5  # Change of an angle over the rate beside it: 1 but for noise.
+    # Least rate at which a joint says anything about units: below, it is at rest, or noise.
+    slowest_rad_s = 0.2
     for i, name in enumerate(names):
-        if max(fast_slope[i], fast_rate[i]) < SLOWEST_RAD_S:
+        if max(fast_slope[i], fast_rate[i]) < slowest_rad_s:
             continue
         ratio = float(fast_slope[i]) / max(float(fast_rate[i]), 1e-12)
         same_way = np.median(np.sign(slope[:, i] * rate[:, i])) > 0.0
@@ -217,11 +206,13 @@ def _check_torques(log: Log, robot: PlanarBiped, labels: Labels) -> None:
     """Check torques for a wrong unit: in kN m they are in range, but too small to walk with."""
     largest = float(np.abs(log.tau).max())
     weight = float(robot.mass * robot.gravity) * float(robot.leg_length)
-    if 0.0 < largest < SMALLEST_TORQUE * weight:
+    # Least torque that a walking robot commands somewhere, as a share of mass * g * leg length.
+    smallest = 1e-3
+    if 0.0 < largest < smallest * weight:
         name = f"tau_{log.joint_names[1]}"
         raise InputError(
             f"{_row_place(log, labels, 0, name)}: expected torques of more than "
-            f"{SMALLEST_TORQUE * weight:.3g} N m, found none above {largest:.3g}: convert the "
+            f"{smallest * weight:.3g} N m, found none above {largest:.3g}: convert the "
             "torques to N m"
         )
 
@@ -235,7 +226,9 @@ def _check_stance(
     if not upright.any():
         return
     height = float(np.median(foot_heights(robot, log.q[upright])))
-    if height < LOWEST_FOOT * float(robot.leg_length):
+    # Usual lower limit of the swing foot's height over the stance foot, in leg lengths.
+    lowest = -0.005
+    if height < lowest * float(robot.leg_length):
         raise InputError(
             f"{_row_place(log, labels, 0, 'stance')}: expected the leg whose foot is on the "
             "ground, "
@@ -251,11 +244,12 @@ def _check_pitch(
     if robot.torso is None or not good.any():
         return
     error = np.abs(log.q @ robot.link_angles[robot.torso] - log.pitch)[good]
-    if np.median(error) > PITCH_TOLERANCE_RAD:
+    tolerance_rad = 0.1  # Largest difference of pitch and joint angles, from offsets and noise.
+    if np.median(error) > tolerance_rad:
         raise InputError(
             f"{_row_place(log, labels, int(np.flatnonzero(good)[0]), 'pitch')}: expected the sum "
             "of "
-            f"the coordinates up to the torso within {PITCH_TOLERANCE_RAD:g} rad, found a column "
+            f"the coordinates up to the torso within {tolerance_rad:g} rad, found a column "
             f"that differs by {np.median(error):.3g} rad in the median: convert it to rad"
         )
 
@@ -269,7 +263,7 @@ def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> 
     usual = float(np.median(np.abs(z[:, 1])))
     z2_share = 0.02  # Of the median |z2|: contact creep leaves 0.4 %, another torso's mass 3 %.
     for value, allowed, name in (
-        (error[0], Z1_TOLERANCE_M, "z1[m]"),
+        (error[0], 1e-3, "z1[m]"),
         (error[1], z2_share * usual, "z2[kg m^2/s]"),
     ):
         if value > allowed:

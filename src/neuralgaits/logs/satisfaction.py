@@ -23,20 +23,6 @@ from neuralgaits.logs.strides import SETTLING_S
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
-MEASURED = ("q", "dq", "dz", "torque")
-"""Fields of a point's data that a log contains."""
-FOLLOWS = (
-    "theta",
-    "foot",
-    "foot_velocity",
-    "foot_above_ground",
-    "foot_lift_rate",
-    "centre_of_mass",
-)
-"""Fields that follow from the measured ones without the policy."""
-BLOCK = 2048
-"""Number of rows judged at once: one compiled shape for logs of any length."""
-
 
 class Satisfaction(NamedTuple):
     """Shares of the judged rows, all logs together."""
@@ -70,7 +56,8 @@ def satisfaction(
     if not len(rows):
         return Satisfaction(0, 0.0, 0.0, {})
     judge = _judge_of(tuple(conditions))
-    charts, satisfied = in_blocks(partial(judge, robot, gait), BLOCK, rows)
+    # Number of rows judged at once: one compiled shape for logs of any length.
+    charts, satisfied = in_blocks(partial(judge, robot, gait), 2048, rows)
     phase, level = charts.T
     inside = (phase >= 0.0) & (phase <= 1.0) & (level >= 0.0) & (level <= 1.0)
     shares, good = {}, inside.copy()
@@ -118,7 +105,12 @@ def _is_logged(
         point = _measured(robot, gait, q, dq, torque)
         if not torques:
             del vars(point)["torque"]
-        names = {*vars(point), *FOLLOWS}
+        # Fields that follow from the measured ones without the policy.
+        derived = (
+            *("theta", "foot", "foot_velocity", "foot_above_ground", "foot_lift_rate"),
+            "centre_of_mass",
+        )
+        names = {*vars(point), *derived}
         value = condition.function(point)
         unknown.update(set(vars(point)) - names)
         return value
@@ -135,7 +127,8 @@ def _measured(
     coordinates = ZeroCoordinates(robot)
     point = Point(robot, gait.policy, None, coordinates.of(q, dq))
     dz = coordinates.rate(q, dq)
-    vars(point).update(zip(MEASURED, (q, dq, dz, torque), strict=True))
+    measured = ("q", "dq", "dz", "torque")  # Fields of a point's data that a log contains.
+    vars(point).update(zip(measured, (q, dq, dz, torque), strict=True))
     return point
 
 

@@ -23,8 +23,6 @@ LONGEST_STRIDE_S = 2.0
 GAP_PERIODS, GAP_S = 2.5, 5e-3
 """Rows further apart than this many sample periods, and than this time, have a gap between them:
 single rows that are missing hide nothing."""
-SHARES = (0.7, 0.15, 0.15)
-"""Shares of all strides for training, validation and test."""
 
 
 class State(NamedTuple):
@@ -129,7 +127,8 @@ def split(strides: Sequence[Stride], *, seed: int = 0) -> Split:
             f"found {count}: walk longer or give more logs"
         )
     order = np.random.default_rng([seed, count]).permutation(count)
-    small = [min(max(1, round(share * count)), count - 2) for share in SHARES[1:]]
+    shares = (0.7, 0.15, 0.15)  # Shares of all strides for training, validation and test.
+    small = [min(max(1, round(share * count)), count - 2) for share in shares[1:]]
     if sum(small) > count - 1:
         small = [1, 1]
     first, second = small[0], sum(small)

@@ -9,10 +9,6 @@ from neuralgaits._types import Float, Int
 from neuralgaits.errors import InputError
 from neuralgaits.logs.strides import Stride
 
-LATE_PERIODS, LATE_SHARE = 0.6, 0.2
-"""A sample of a window is off its due time by at most this many sample periods, or this share of
-the time between samples, whichever is longer: where rows are missing their neighbours serve."""
-
 
 class Windows(NamedTuple):
     """N windows of K samples each; none reaches across a touchdown or a gap."""
@@ -66,7 +62,9 @@ def _picked(stride: Stride, samples: int, step: float, every: float) -> Int[np.n
     right = np.clip(np.searchsorted(stride.t, due), 1, len(stride.t) - 1)
     nearer_left = due - stride.t[right - 1] < stride.t[right] - due
     rows = np.where(nearer_left, right - 1, right)
-    late = max(LATE_PERIODS * stride.period_s, LATE_SHARE * step)
+    # A sample of a window is off its due time by at most this many sample periods, or this share of
+    # the time between samples, whichever is longer: where rows are missing their neighbours serve.
+    late = max(0.6 * stride.period_s, 0.2 * step)
     on_time = np.all(np.abs(stride.t[rows] - due) <= late, axis=1)
     together = stride.piece[rows[:, 0]] == stride.piece[rows[:, -1]]
     distinct = np.all(np.diff(rows, axis=1) > 0, axis=1)

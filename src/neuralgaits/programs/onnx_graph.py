@@ -18,7 +18,6 @@ from neuralgaits.programs.point_algebra import POINT
 from neuralgaits.programs.program import Input, Output, Program
 
 OPERATOR_SET = 17
-_TYPES = {np.dtype(np.float64): TensorProto.DOUBLE, np.dtype(np.float32): TensorProto.FLOAT}
 _OPERATORS = {
     "add": "Add",
     "sub": "Sub",
@@ -216,6 +215,7 @@ def graph(
 
 
 def _described(item: Input | Output, real: np.dtype, about: Mapping[str, str]) -> ValueInfoProto:
+    types = {np.dtype(np.float64): TensorProto.DOUBLE, np.dtype(np.float32): TensorProto.FLOAT}
     return helper.make_tensor_value_info(
-        item.name, _TYPES[real], item.shape, doc_string=about.get(item.name, "")
+        item.name, types[real], item.shape, doc_string=about.get(item.name, "")
     )

@@ -32,12 +32,6 @@ it has."""
 SHARES = (0.05, 0.005, 5e-4, 5e-5)
 """Widths of the box on which remainders are compared, in those of the region: the next one where
 one has no bounds. Eliminations of large matrices have bounds on small boxes alone."""
-LEAST_GAIN = 0.02
-"""Least part of an output's remainder for which a value gets symbols."""
-LEAST_OFF_ZERO = 0.002
-"""The same where xi is an input: many small values share what is lost."""
-MOST_NUMBERS = 2**23
-"""Most sensitivities: of larger Programs nothing is chosen."""
 
 Symbols = Mapping[int, int]
 """First symbol, counted from 0, by the number of the value whose remainders have symbols."""
@@ -52,7 +46,9 @@ def most_symbols(program: Program) -> int:
 
 def least_gain(program: Program) -> float:
     """Return the least part of an output's remainder for which a value gets symbols."""
-    return LEAST_GAIN if len(program.inputs) == 1 else LEAST_OFF_ZERO
+    least = 0.02  # Least part of an output's remainder for which a value gets symbols.
+    least_off_zero = 0.002  # Less where xi is an input: many small values share what is lost.
+    return least if len(program.inputs) == 1 else least_off_zero
 
 
 def count_of(program: Program, symbols: Symbols) -> int:
@@ -96,7 +92,8 @@ def too_large(program: Program) -> bool:
     """Return whether nothing is chosen: outputs have too many sensitivities, or are constants."""
     outputs = {output.value for output in program.outputs}
     columns = sum(program.sizes[number] for number in outputs if program.varies[number])
-    return not 0 < sum(program.sizes) * columns <= MOST_NUMBERS
+    most_numbers = 2**23  # Most sensitivities: of larger Programs nothing is chosen.
+    return not 0 < sum(program.sizes) * columns <= most_numbers
 
 
 def middle(

@@ -12,11 +12,6 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Windows
 from neuralgaits.residual.trajectories import prediction_errors, root_mean_square
 
-BINS = ((4, 1), (8, 1), (16, 1), (32, 1), (8, 2), (16, 2), (16, 4), (32, 4))
-"""Numbers of bins along z1 and z2 that are tried."""
-FINEST = (32, 4)
-"""Size of all tables; coarse ones have repeated entries, so one shape is compiled."""
-
 
 class Table(eqx.Module):
     """A piecewise constant rate of z; beyond its edges the outermost bins count.
@@ -46,7 +41,7 @@ def binned(
     Args:
         states: visited states (m, kg m^2/s).
         defects: missing rate there (m/s, N m).
-        bins: along z1 and z2; divisors of `FINEST`.
+        bins: along z1 and z2; divisors of 32 and 4.
     """
     low, high = states.min(axis=0), states.max(axis=0)
     # A state on the upper edge belongs to the last bin, and a box needs a width.
@@ -57,7 +52,8 @@ def binned(
     np.add.at(total, tuple(place.T), defects)
     np.add.at(number, tuple(place.T), 1.0)
     values = total / np.maximum(number, 1.0)[..., None]
-    for axis, (finest, coarse) in enumerate(zip(FINEST, bins, strict=True)):
+    # All tables are of one size, so one shape is compiled; coarse ones have repeated entries.
+    for axis, (finest, coarse) in enumerate(zip((32, 4), bins, strict=True)):
         values = np.repeat(values, finest // coarse, axis=axis)
     return Table(low, high, values)
 
@@ -78,7 +74,9 @@ def floor(
         judged_by: windows whose trajectories choose the table and give its error.
         scale: scale of z (m, kg m^2/s).
     """
-    tables = [binned(states, defects, bins) for bins in BINS]
+    # Numbers of bins along z1 and z2 that are tried.
+    tried = ((4, 1), (8, 1), (16, 1), (32, 1), (8, 2), (16, 2), (16, 4), (32, 4))
+    tables = [binned(states, defects, bins) for bins in tried]
     return min(
         root_mean_square(prediction_errors(zd, table, judged_by).errors, scale) for table in tables
     )

@@ -27,14 +27,11 @@ from neuralgaits._types import Actuated, Array, Coordinates, Float, Int
 from neuralgaits.logs import Log, Stride
 from neuralgaits.robots.constants import MjcfLayout
 
-WINDOW_S, EVERY_S = 0.15, 0.02
-"""Length of a window, and time from the start of one to that of the next [s]."""
+WINDOW_S = 0.15
+"""Length of a window [s]."""
 SLOWEST_RAD_S = 0.1
 """A joint turns at least this fast all through a window: below, friction may be anything up to dry
 friction, and noise decides about its sign."""
-FEWEST_ROWS = 8
-"""Least number of rows in a window, for its integrals."""
-_AT_ONCE = 4096
 
 LinkMomenta = Callable[[Coordinates, Coordinates], tuple[Actuated, Actuated]]
 """Momenta and generalised forces dL/dq of the actuated joints without rotors, at (q, dq): see
@@ -82,7 +79,9 @@ def joint_windows(
         links: model of the links.
         strides: pieces of walks with the logs that they are from.
     """
-    parts = [_of_stride(links, log, stride, number) for number, (log, stride) in enumerate(strides)]
+    parts = [
+        _stride_windows(links, log, stride, number) for number, (log, stride) in enumerate(strides)
+    ]
     first, second = layout.leg_joints
     windows = []
     for place, (one, other) in enumerate(zip(first, second, strict=True)):
@@ -98,7 +97,7 @@ def joint_windows(
     return tuple(windows)
 
 
-def _of_stride(
+def _stride_windows(
     links: LinkMomenta, log: Log, stride: Stride, number: int
 ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
     """Return features, torques, stride and phase of the windows of each actuated joint."""
@@ -113,10 +112,11 @@ def _of_stride(
     whole = 0.375 * WINDOW_S  # Integral of the weight.
     inside = (t >= starts[:, None]) & (t <= starts[:, None] + WINDOW_S)
     windows = []
+    fewest_rows = 8  # Least number of rows in a window, for its integrals.
     for j in range(q.shape[1] - 1):
         rate = dq[:, 1 + j]
         slowest = np.min(np.where(inside, np.abs(rate), np.inf), axis=1, initial=np.inf)
-        used = (slowest >= SLOWEST_RAD_S) & (np.count_nonzero(inside, axis=1) >= FEWEST_ROWS)
+        used = (slowest >= SLOWEST_RAD_S) & (np.count_nonzero(inside, axis=1) >= fewest_rows)
         by_slope, by_weight = slope[used] * area, weight[used] * area
         rotor, late = -by_slope @ rate, -by_slope @ tau[:, j]
         features = [rotor, by_weight @ np.sign(rate), by_weight @ rate, late]
@@ -132,7 +132,8 @@ def _starts(stride: Stride) -> Float[np.ndarray, " w"]:
     """Return the times at which windows start that have no gap [s]."""
     t = stride.t
     slack = 0.5 * stride.period_s
-    starts = np.arange(t[0], t[-1] - WINDOW_S + slack, EVERY_S)
+    every_s = 0.02  # Time from the start of one window to that of the next [s].
+    starts = np.arange(t[0], t[-1] - WINDOW_S + slack, every_s)
     first = np.searchsorted(t, starts - slack)
     last = np.clip(np.searchsorted(t, starts + WINDOW_S + slack) - 1, 0, len(t) - 1)
     return starts[stride.piece[first] == stride.piece[last]]
@@ -154,7 +155,7 @@ def _links(
     links: LinkMomenta, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
 ) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "k m"]]:
     """Return momenta and generalised forces dL/dq of the actuated joints, without rotors."""
-    return in_blocks(lambda *rows: _momenta_and_forces(links, *rows), _AT_ONCE, q, dq)
+    return in_blocks(lambda *rows: _momenta_and_forces(links, *rows), 4096, q, dq)
 
 
 @quick_filter_jit

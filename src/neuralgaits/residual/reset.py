@@ -20,12 +20,8 @@ from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.logs import Touchdowns
 from neuralgaits.residual.shooting import Rate, model_rate, shoot
 
-BOUND_FACTOR = 2.0
-"""Bound on a correction, as a multiple of the largest one seen."""
 BLOCK = 64
 """Touchdowns evaluated together: one compiled shape for any number of them."""
-LEAST_BOUND = 1e-6
-"""Smallest bound, per unit of z2: a bound of zero has no inverse."""
 
 
 class Landings(NamedTuple):
@@ -64,7 +60,9 @@ def fit_reset(zd: ZeroDynamics, touchdowns: Touchdowns) -> ResetResidual | None:
     desired = in_blocks(
         partial(_wanted, plain), BLOCK, touchdowns.z_before, missed, touchdowns.eta_after
     )
-    bound = np.maximum(BOUND_FACTOR * np.abs(desired).max(axis=0), LEAST_BOUND)
+    factor = 2.0  # Bound on a correction, as a multiple of the largest one seen.
+    least_bound = 1e-6  # Smallest bound, per unit of z2: a bound of zero has no inverse.
+    bound = np.maximum(factor * np.abs(desired).max(axis=0), least_bound)
     targets = np.arctanh(desired / bound)
     centre, spread = touchdowns.z_before.mean(axis=0), touchdowns.z_before.std(axis=0)
     scale = np.maximum(spread, 1e-3 * np.abs(centre))

@@ -13,9 +13,6 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Windows
 from neuralgaits.residual.shooting import Rate, model_rate, shoot
 
-BLOCK = 256
-"""Windows integrated at once: one compiled shape for any number of them."""
-
 
 class PredictionErrors(NamedTuple):
     """Errors of predicted trajectories, measured minus predicted."""
@@ -35,7 +32,8 @@ def prediction_errors(zd: ZeroDynamics, residual: Rate, windows: Windows) -> Pre
         windows: measured windows.
     """
     model = ZeroDynamics(zd.robot, zd.policy)
-    predicted = in_blocks(partial(_shot, model, residual), BLOCK, windows.t, windows.z[:, 0])
+    # Windows integrated at once: one compiled shape for any number of them.
+    predicted = in_blocks(partial(_shot, model, residual), 256, windows.t, windows.z[:, 0])
     errors = windows.z[:, 1:] - predicted
     spans = windows.t[:, 1:2] - windows.t[:, 0:1]
     return PredictionErrors(errors, errors[:, 0] / spans)

@@ -19,8 +19,6 @@ from neuralgaits.runs.file_content import refuse_large
 
 SHA256 = "sha256"
 """Name of a file's text entry with the hash of all its arrays and other entries."""
-_LENGTH = 8
-"""Bytes of a header's length, and the multiple to which the header is padded."""
 
 
 def packed(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
@@ -29,11 +27,12 @@ def packed(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> byt
     contiguous = {name: np.array(array, order="C") for name, array in arrays.items()}
     data = save(contiguous, metadata=dict(metadata) | {SHA256: _digest(contiguous, metadata)})
     # The library writes the entries in an order of its own, another one each time.
-    end = _LENGTH + int.from_bytes(data[:_LENGTH], "little")
-    table = json.loads(data[_LENGTH:end])
+    length = 8  # Bytes of a header's length, and the multiple to which the header is padded.
+    end = length + int.from_bytes(data[:length], "little")
+    table = json.loads(data[length:end])
     header = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=False).encode()
-    header += b" " * (-len(header) % _LENGTH)
-    return len(header).to_bytes(_LENGTH, "little") + header + data[end:]
+    header += b" " * (-len(header) % length)
+    return len(header).to_bytes(length, "little") + header + data[end:]
 
 
 def _digest(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> str:

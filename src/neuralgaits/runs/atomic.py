@@ -22,11 +22,6 @@ from neuralgaits.errors import InputError, reason
 
 _MASK = threading.Lock()
 """Lock, since two threads that set and restore the mask could leave the value of one of them."""
-_STREAMS = Path("/proc")
-"""Links below this folder lead to files that a process has open, whatever their names say."""
-_LONGEST_PREFIX = 40
-"""Characters of a file's name in that of its temporary: a name may be as long as the system
-allows."""
 _NAME, _MOVE = "name a regular file", "move it away"
 """Remedies for a place that is taken: of a user who named it, and of one who named none."""
 _EITHER = f"{_MOVE}, or {_NAME}"
@@ -42,10 +37,12 @@ def destination(path: Path, remedy: str = _EITHER) -> Path:
     Raises: InputError on anything but a regular file; OSError if the system refuses to look.
     """
     place = path
+    # Links below this folder lead to files that a process has open, whatever their names say.
+    streams = Path("/proc")
     # Linux follows as many links, and no more.
     for _ in range(40):
         folder = Path(os.path.realpath(place.parent))
-        if folder.is_relative_to(_STREAMS):
+        if folder.is_relative_to(streams):
             raise InputError(f"expected a file to write, found an open stream at {path}: {remedy}")
         place = folder / place.name
         if not place.is_symlink():
@@ -134,7 +131,8 @@ def _on_disk(path: Path, place: Path, data: bytes) -> Iterator[Path]:
     """Hold a temporary file with the data beside its destination, and remove it afterwards."""
     with _blamed_on(path):
         place.parent.mkdir(parents=True, exist_ok=True)
-        prefix = f".{place.name[:_LONGEST_PREFIX]}."
+        # Only its beginning: a name may be as long as the system allows.
+        prefix = f".{place.name[:40]}."
         handle, name = tempfile.mkstemp(dir=place.parent, prefix=prefix, suffix=".tmp")
     temporary = Path(name)
     try:

@@ -28,10 +28,7 @@ from neuralgaits.runs.shell_words import LATEST
 FORMAT = 1
 """Version of the layout and meaning of a run folder; other versions are refused."""
 
-_LAYOUT = {"copies": table_of(TEXT), "written_by": may(table_of(TEXT)), "created_utc": may(TEXT)}
-"""Fields of a config that this file writes; the stages write the rest."""
 _WHAT = "the run"
-LIBRARIES = ("jax", "jaxlib", "equinox", "optax", "mujoco", "numpy")
 
 Tree = TypeVar("Tree")
 
@@ -121,7 +118,13 @@ class RunFolder:
                 f"expected run format {FORMAT}, found {config.get('format')!r} in {path} written "
                 f"by neuralgaits {writer}: use that version, or train again with {__version__}"
             )
-        refuse_misshapen(config, _LAYOUT, path / CONFIG)
+        # Fields of a config that this file writes; the stages write the rest.
+        layout = {
+            "copies": table_of(TEXT),
+            "written_by": may(table_of(TEXT)),
+            "created_utc": may(TEXT),
+        }
+        refuse_misshapen(config, layout, path / CONFIG)
         return RunFolder(path, config)
 
     @property
@@ -214,5 +217,6 @@ class RunFolder:
 
 
 def _versions() -> dict[str, str]:
-    libraries = {library: metadata.version(library) for library in LIBRARIES}
+    names = ("jax", "jaxlib", "equinox", "optax", "mujoco", "numpy")
+    libraries = {library: metadata.version(library) for library in names}
     return {"neuralgaits": __version__, "python": platform.python_version()} | libraries

@@ -12,8 +12,6 @@ from collections.abc import Mapping, Sequence
 from neuralgaits._digits import decimal
 from neuralgaits.errors import RunError
 
-STEP = "step"
-"""Column that every table of a training has."""
 Row = Mapping[str, float]
 
 
@@ -51,9 +49,10 @@ def from_csv(data: bytes, source: str) -> list[dict[str, float]]:
             f"expected a number in every column of {source}, line {line} has another "
             "content: restore the file or train again"
         ) from None
-    if any(not (row.get(STEP, math.nan) >= 0.0 and row[STEP] < math.inf) for row in rows):
+    step = "step"  # Column that every table of a training has.
+    if any(not (row.get(step, math.nan) >= 0.0 and row[step] < math.inf) for row in rows):
         raise RunError(
-            f"expected the number of a step in the column {STEP} of {source}, found a row "
+            f"expected the number of a step in the column {step} of {source}, found a row "
             "without: restore the file or train again"
         )
     return rows

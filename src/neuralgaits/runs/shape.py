@@ -26,11 +26,11 @@ def complaint(value: Any, shape: Shape) -> str | None:
                 continue
             return f"there is no {key}"
         if wrong := complaint(value[key], part):
-            return _at(key, wrong)
+            return _located(key, wrong)
     return None
 
 
-def _at(place: str, wrong: str) -> str:
+def _located(place: str, wrong: str) -> str:
     return f"in {place}: {wrong}"
 
 
@@ -108,7 +108,7 @@ def list_of(shape: Shape, *lengths: int) -> Callable[[Any], str | None]:
             return _mismatch(f"a list of {many}" if lengths else "a list", value)
         for number, item in enumerate(value):
             if wrong := complaint(item, shape):
-                return _at(f"entry {number + 1}", wrong)
+                return _located(f"entry {number + 1}", wrong)
         return None
 
     return check
@@ -135,7 +135,7 @@ def table_of(shape: Shape) -> Callable[[Any], str | None]:
             return _mismatch("an object", value)
         for name, item in value.items():
             if wrong := complaint(item, shape):
-                return _at(name[:40], wrong)
+                return _located(name[:40], wrong)
         return None
 
     return check

@@ -12,8 +12,6 @@ from typing import Any
 from neuralgaits._printable import printable
 
 PROGRAM, LATEST = "neuralgaits", "latest"
-_PLAIN = frozenset(range(0x20, 0x7F)) - frozenset(b"'\\")
-"""Bytes that need no escape between $' and '."""
 
 
 def command(*words: Any) -> str:
@@ -25,7 +23,9 @@ def quoted(word: str) -> str:
     """Quote a word for a shell; a path that is not UTF-8 byte by byte, as bash and zsh read it."""
     if printable(word) == word:
         return shlex.quote(word)
-    signs = (chr(byte) if byte in _PLAIN else f"\\x{byte:02x}" for byte in os.fsencode(word))
+    # Bytes that need no escape between $' and '.
+    plain = frozenset(range(0x20, 0x7F)) - frozenset(b"'\\")
+    signs = (chr(byte) if byte in plain else f"\\x{byte:02x}" for byte in os.fsencode(word))
     return f"$'{''.join(signs)}'"
 
 

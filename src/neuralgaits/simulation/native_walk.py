@@ -17,7 +17,7 @@ from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
-from neuralgaits.export.facts import Design, Origin
+from neuralgaits.export.design import Design, Origin
 from neuralgaits.export.robot_programs import ground, tells_lean
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait

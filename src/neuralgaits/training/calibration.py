@@ -21,9 +21,6 @@ from neuralgaits.robots import PlanarBiped
 
 KNOTS = 9
 """Number of commands at which orbits are searched for."""
-BEYOND = 0.2
-"""Training range of a family beyond the range of a speed, in units of half of that range: twice the
-share `widened` of the recipe."""
 
 
 def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) -> CommandedGait:
@@ -40,7 +37,10 @@ def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) ->
     at, plain = names.index("speed"), plain_curves(gait.commands)
     command = gait.commands[at]
     middle, half = command.middle, command.half
-    places = np.linspace(-1.0 - BEYOND, 1.0 + BEYOND, KNOTS)
+    # Training range of a family beyond the range of a speed, in units of half of that range: twice
+    # the share `widened` of the recipe.
+    beyond = 0.2
+    places = np.linspace(-1.0 - beyond, 1.0 + beyond, KNOTS)
     speeds = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
     rising = np.isfinite(speeds).all() and np.all(np.diff(speeds) > 0.0)
     if not rising:

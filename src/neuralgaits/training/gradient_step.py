@@ -80,10 +80,10 @@ def make_steps(
             return updated, after, result
         return *_if_finite((updated, after), (parameters, state)), result
 
-    return _in_one_loop(step, len(spec.trained_for))
+    return _looped(step, len(spec.trained_for))
 
 
-def _in_one_loop(step: Callable, conditions: int) -> Callable:
+def _looped(step: Callable, conditions: int) -> Callable:
     """Return the function that repeats a step, whose loss is about so many conditions.
 
     A step runs for a millisecond or two: calling it from Python took a third of the time.

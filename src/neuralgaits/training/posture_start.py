@@ -14,11 +14,6 @@ from neuralgaits.barriers import Gait
 from neuralgaits.gait import posture_path
 from neuralgaits.robots import PlanarBiped
 
-GRID = 33
-"""Number of hip positions at which inverse kinematics gives a posture."""
-BATCH = 128
-LEARNING_RATE = 3e-3
-
 
 def start_from_posture(robot: PlanarBiped, gait: Gait, steps: int, key: PRNGKeyArray) -> Gait:
     """Fit y_d(z) to the posture at z1, for all z of the tube.
@@ -31,17 +26,19 @@ def start_from_posture(robot: PlanarBiped, gait: Gait, steps: int, key: PRNGKeyA
 
     Returns: the gait with the fitted policy.
     """
-    phases = np.linspace(0.0, 1.0, GRID)
+    count = 33  # Number of hip positions at which inverse kinematics gives a posture.
+    phases = np.linspace(0.0, 1.0, count)
     start, guard = (float(end) for end in gait.span)
     targets = jnp.asarray(posture_path(robot, start + phases * (guard - start)))
     trained, fixed = eqx.partition(gait.policy, gait.policy.trainable())
-    optimizer = optax.adam(LEARNING_RATE)
+    optimizer = optax.adam(3e-3)
 
     def misfit(policy_part, level_key):
         policy = eqx.combine(policy_part, fixed)
         pick_key, level_key = jax.random.split(level_key)
-        pick = jax.random.randint(pick_key, (BATCH,), 0, GRID)
-        levels = jax.random.uniform(level_key, (BATCH,), dtype=float)
+        batch = 128
+        pick = jax.random.randint(pick_key, (batch,), 0, count)
+        levels = jax.random.uniform(level_key, (batch,), dtype=float)
         z = jax.vmap(gait.z)(jnp.stack([jnp.asarray(phases)[pick], levels], axis=1))
         error = jax.vmap(policy)(z) - targets[pick]
         return jnp.mean(error * error)

@@ -41,8 +41,10 @@ from neuralgaits.training.train_state import FreshMargins, TrainState
 
 VALIDATE_EVERY = 100
 """Gradient steps between two evaluations of the fixed validation samples."""
-SMALLER, CAREFUL = 0.3, 3
-"""Factor on the size of steps after NaN, and how often it may be applied."""
+SMALLER = 0.3
+"""Factor on the size of steps after NaN."""
+CAREFUL = 3
+"""Number of times that this factor may be applied."""
 
 
 @dataclass(frozen=True)

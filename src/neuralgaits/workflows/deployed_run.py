@@ -9,7 +9,7 @@ from neuralgaits.control.safeguard import joint_ranges, torque_limits
 from neuralgaits.deployment.deployed_robot import DeployedRobot, joint_facts
 from neuralgaits.deployment.deployment_file import FileHash
 from neuralgaits.deployment.hanging_leg import HangingLeg
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS

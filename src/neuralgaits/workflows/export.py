@@ -20,7 +20,7 @@ from neuralgaits.deployment.deployment_reader import read_deployment
 from neuralgaits.deployment.deployment_template import deployment_text, template
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
-from neuralgaits.export.facts import Design, Origin
+from neuralgaits.export.design import Design, Origin
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import PROOF

@@ -9,7 +9,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.board_source import board_files
 from neuralgaits.export.c_check import check_controller
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.fmu.fmu_archive import fmu_file
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.export.reference import Reference

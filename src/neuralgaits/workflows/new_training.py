@@ -190,4 +190,4 @@ def _source(spec: str | GaitSpec) -> str:
     if isinstance(spec, str):
         return specs.source_path(spec).read_text(encoding="utf-8")
     names = "".join(f"# {condition.name}\n" for condition in spec.conditions)
-    return f"{specs.IN_NO_FILE}, {spec.name!r}, in no file. Its conditions:\n{names}"
+    return f"{specs.FILELESS_SPEC}, {spec.name!r}, in no file. Its conditions:\n{names}"

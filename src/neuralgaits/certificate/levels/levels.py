@@ -59,7 +59,9 @@ def conclude(
             conclusions[level.number] = Conclusion(level.number, "undecided", reason)
             continue
         answer = level.conclude(parameters, boxes, bounds)
-        scope = _of_parameters(chart.behind(len(command_names)), pairs if command_names else None)
+        scope = _parameter_sentences(
+            chart.behind(len(command_names)), pairs if command_names else None
+        )
         words = (*answer.words, *scope) if answer.proved else answer.words
         conclusions[level.number] = replace(answer, words=words)
     return list(conclusions.values())
@@ -86,7 +88,7 @@ def _why_not(
     return None
 
 
-def _of_parameters(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:
+def _parameter_sentences(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:
     """State the admissible pairs of commands, and the fixed axes of a chart behind them, if any."""
     if pairs is not None:
         yield f"admissible are commands of {' and '.join(pairs)}"

@@ -31,9 +31,6 @@ from neuralgaits.robots.mjcf.parameters import model_of
 
 CLAIMED = 0.4
 """Claimed share of a margin whose size does not matter: fewer boxes to check."""
-TIGHT = {SET: Problem.tight, FULL_ORDER_REGION: 0.25, DISTURBED_REGION: 0.0}
-"""Share of the smallest margin seen that is proved, by label. Level 4 reports its slack, and each
-further box costs; for the others only the sign matters."""
 BOUND_SEPARATELY = {
     "full/contact": "forces",
     "full/torque": "forces",
@@ -214,4 +211,7 @@ def _sign_only(spec: GaitSpec) -> dict[str, Any]:
 def _how_near(label: str) -> dict[str, Any]:
     """Return how closely margins of premises are proved and claimed, in the plane."""
     claimed = Problem.claimed if label == SET else CLAIMED
-    return {"claimed": claimed, "tight": TIGHT.get(label, 0.0)}
+    # Share of the smallest margin seen that is proved, by label. Level 4 reports its slack, and
+    # each further box costs; for the others only the sign matters.
+    shares = {SET: Problem.tight, FULL_ORDER_REGION: 0.25, DISTURBED_REGION: 0.0}
+    return {"claimed": claimed, "tight": shares.get(label, 0.0)}

@@ -17,7 +17,7 @@ from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated, why_incomplete
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
-from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
+from neuralgaits.certificate.proof_file.theorem_tables import LEVELS_BY_NUMBER
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.records.checked import Arithmetic
 
@@ -26,8 +26,8 @@ Progress = Callable[[int, int], None]
 
 NAMED_EACH = 6
 """Largest number of axes beside the state's that each statement names; more are named once."""
-DIGITS, SCALE_DIGITS = 4, 6
-"""Significant digits of bounds and scales in sentences; the file has all of them."""
+DIGITS = 4
+"""Significant digits of bounds in sentences; the file has all of them."""
 SHOWN = 3
 """Largest number of contradictions or names that a message gives."""
 
@@ -138,7 +138,7 @@ def tied(report: CheckResult, claims: Claims, outline: SpecOutline) -> CheckResu
     levels = tuple(replace(level, verdict="proved") for level in report.levels)
     if missing := unstated(claims.statements, outline, len(claims.chart.state)):
         reason = why_incomplete(missing, len(outline.conditions))
-        if any(not BY_NUMBER[level.level].full_order for level in levels):
+        if any(not LEVELS_BY_NUMBER[level.level].full_order for level in levels):
             return replace(report, verdict="rejected", reason=reason, levels=())
         return replace(report, verdict="undecided", reason=reason, levels=levels)
     if report.verdict == "undecided":
@@ -226,7 +226,7 @@ def in_words(statement: Statement, claims: Claims) -> Iterator[str]:
         fibre = f", and {FIBRE} of the unit ball" if name in claims.off_zero else ""
         bound, scale = statement.bounds[name], statement.scales[name]
         # Fewer digits than the file has, to the side on which the product stays true.
-        size = (at_least if bound >= 0.0 else at_most)(scale, SCALE_DIGITS)
+        size = (at_least if bound >= 0.0 else at_most)(scale, 6)
         yield (
             f"{name}: the margin is at least {at_least(bound, DIGITS)} of its scale {size} at "
             f"every {where}{fibre} (region {statement.region})"

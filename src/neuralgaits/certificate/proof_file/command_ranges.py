@@ -90,5 +90,6 @@ def why_part(chart: Chart, commands: Sequence[ModelCommand]) -> str | None:
 
 
 def _alike(chart: Chart, commands: Sequence[ModelCommand]) -> bool:
-    expected, found = Chart.of(commands).parameters, chart.of_commands(len(commands)).parameters
-    return [axis.name for axis in expected] == [axis.name for axis in found]
+    expected = Chart.of(commands).parameters
+    own = chart.of_commands(len(commands)).parameters
+    return [axis.name for axis in expected] == [axis.name for axis in own]

@@ -8,7 +8,7 @@ from neuralgaits.certificate.levels.levels import refusals
 from neuralgaits.certificate.proof_file.command_ranges import OTHER_CHART, is_beyond
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, contradictions
 from neuralgaits.certificate.proof_file.reader import Claims
-from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
+from neuralgaits.certificate.proof_file.theorem_tables import LEVELS_BY_NUMBER
 from neuralgaits.certificate.proof_file.tree_text import why_no_tree
 
 
@@ -56,7 +56,7 @@ def _parameters_that_differ(claims: Claims) -> list[str]:
     constants = {constant.name: constant.array for constant in claims.program.constants}
     wrong = []
     for number, parameters in claims.theorems.parameters.items():
-        level = BY_NUMBER[number]
+        level = LEVELS_BY_NUMBER[number]
         for name, values in level.constants(parameters).items():
             if name == "disturbance" and not any(values):
                 continue  # The Program has nothing to add.

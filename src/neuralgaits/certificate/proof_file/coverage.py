@@ -19,8 +19,6 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 
 Root = tuple[str, Corner, Corner]
 """An output and a box of the state, for all values of the parameters: (name, low, high)."""
-ROUNDING = 1e-6
-"""Share by which a bound may be less on another machine, by rounding."""
 SHOWN = 3
 """Largest number of wrong boxes or names that a message gives."""
 
@@ -140,8 +138,9 @@ def says_all(new: Iterable[LabelledClaim], old: Iterable[LabelledClaim]) -> bool
         }
 
     new_bounds = bounds(new)
+    rounding = 1e-6  # Share by which a bound may be less on another machine, by rounding.
     return all(
-        new_bounds.get(root, -math.inf) >= bound - ROUNDING * abs(bound)
+        new_bounds.get(root, -math.inf) >= bound - rounding * abs(bound)
         for root, bound in bounds(old).items()
     )
 
@@ -194,9 +193,11 @@ def _labels(theorems: Theorems, outline: SpecOutline | None) -> dict[Root, str]:
 def _barriers_that_are_none(theorems: Theorems, outline: SpecOutline | None) -> list[str]:
     if outline is None or theorems.walking is None:
         return []
-    shape = theorems.walking
-    wrong = [f"{n} is no barrier of the spec" for n in shape.barriers if not outline.is_barrier(n)]
-    stray = set(shape.carried) - set(outline.conditions)
+    walking = theorems.walking
+    wrong = [
+        f"{n} is no barrier of the spec" for n in walking.barriers if not outline.is_barrier(n)
+    ]
+    stray = set(walking.carried) - set(outline.conditions)
     return wrong + [f"{name} is no condition of the spec" for name in sorted(stray)]
 
 

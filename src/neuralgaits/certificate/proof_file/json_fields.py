@@ -13,8 +13,6 @@ from neuralgaits.certificate.proof_file.limits import DEEPEST, MOST_DIGITS, MOST
 
 Corner = tuple[float, ...]
 """One corner of a box of the chart."""
-_BETWEEN = {ord(space): None for space in "\n\r\t"}
-"""Space that JSON allows between its words and nowhere inside a text."""
 
 
 def parse(text: str, *, fractions: bool = True) -> Any:
@@ -42,7 +40,9 @@ def parse(text: str, *, fractions: bool = True) -> Any:
         limit(DEEPEST + 1, DEEPEST, "levels of JSON")
         raise
     # What is not escaped stands in the text itself, and nothing but space may lie between texts.
-    odd = "\\" in text or not text.translate(_BETWEEN).isprintable()
+    # Space that JSON allows between its words and nowhere inside a text.
+    spaces = {ord(space): None for space in "\n\r\t"}
+    odd = "\\" in text or not text.translate(spaces).isprintable()
     _refuse_odd(table, texts=odd)
     return table
 

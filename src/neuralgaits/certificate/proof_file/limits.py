@@ -5,12 +5,18 @@ there is. A file beyond these limits is refused before the work is done.
 `tools/proofcheck/reading.hpp` has the same limits in the same words.
 """
 
-MOST_FIELDS, MOST_NAMES, MOST_OUTPUTS, MOST_STATEMENTS = 1000, 1000, 4000, 1000
+MOST_FIELDS = 1000
+MOST_NAMES = 1000
+MOST_OUTPUTS = 4000
+MOST_STATEMENTS = 1000
 MOST_OF_OUTPUT = 1000
 """Most elements of an output of a Program."""
 MOST_BOXES = 32
 """Most boxes of a region; whether they cover the chart is checked between all of their edges."""
-MOST_DIMENSIONS, MOST_SERIES, MOST_COMMANDS, DEEPEST = 8, 1000, 7, 60
+MOST_DIMENSIONS = 8
+MOST_SERIES = 1000
+MOST_COMMANDS = 7
+DEEPEST = 60
 MOST_WORK = 2**23
 """Most numbers that the operations of a Program read, multiply and make."""
 MOST_DIGITS = 9

@@ -32,12 +32,6 @@ _ARRAYS = {
     CommandedPolicy: (*_NETWORK_POLICY, "guard_outputs", "guard_slopes", "guard_z1", "curves"),
 }
 """Fields that desired outputs depend on, beside the network."""
-_LEARNED = {"flow": Residual, "reset": ResetResidual}
-"""Kinds of residual that `fit` learns."""
-_LEARNED_ARRAYS = {
-    "flow": ("scale", "shift", "bound"),
-    "reset": ("weight", "offset", "scale", "shift", "bound"),
-}
 
 
 def model_data(
@@ -160,12 +154,17 @@ def _command(command: Command) -> dict[str, Any]:
 def _residuals(residuals: Residuals) -> dict[str, Any] | None:
     """Return the learned residuals as data; None if `fit` does not learn their kind."""
     tables: dict[str, Any] = {"flow": None, "reset": None}
+    kinds = {"flow": Residual, "reset": ResetResidual}  # Kinds of residual that `fit` learns.
+    fields = {
+        "flow": ("scale", "shift", "bound"),
+        "reset": ("weight", "offset", "scale", "shift", "bound"),
+    }
     for part, learned in residuals._asdict().items():
         if learned is None:
             continue
-        if type(learned) is not _LEARNED[part]:
+        if type(learned) is not kinds[part]:
             return None
-        arrays = {name: getattr(learned, name) for name in _LEARNED_ARRAYS[part]}
+        arrays = {name: getattr(learned, name) for name in fields[part]}
         tables[part] = {"arrays": arrays}
         if part == "flow":
             arrays |= _layers(learned.network)

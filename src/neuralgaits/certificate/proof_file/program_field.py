@@ -21,10 +21,6 @@ from neuralgaits.programs.program import Operation, Program
 
 FIBRE = "xi"
 """Name of a Program's second input at full order; statements cover all of its unit ball."""
-MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
-"""Most elements of xi, of one value, and products of one matrix product."""
-OUTPUT_ELEMENTS = "elements of an output of the Program"
-WORK_NUMBERS = "numbers that the Program reads and makes"
 
 
 def program_of(field: Any, axes: int) -> Program:
@@ -70,15 +66,20 @@ def _refuse_long(table: Any) -> None:
 def _refuse_large(program: Program) -> None:
     """Refuse a Program whose few lines need more memory than any gait's Program."""
     sizes, widest = program.sizes, max(program.sizes)
-    if len(program.inputs) > 1 and program.inputs[1].shape[0] > MOST_FIBRES:
+    most_fibres = 256  # Elements of xi.
+    if len(program.inputs) > 1 and program.inputs[1].shape[0] > most_fibres:
         raise ValueError(f"{program.inputs[1].shape[0]} elements of {FIBRE}")
-    if widest > MOST_ELEMENTS:
+    most_elements = 2**20  # Elements of one value.
+    if widest > most_elements:
         raise ValueError(f"a value of {widest} elements")
-    limit(max(sizes[row.value] for row in program.outputs), MOST_OF_OUTPUT, OUTPUT_ELEMENTS)
+    largest = max(sizes[row.value] for row in program.outputs)
+    limit(largest, MOST_OF_OUTPUT, "elements of an output of the Program")
+    most_products = 2**24  # Products of one matrix product.
     for row in program.operations:
-        if row.kind == "affine" and row.size * sizes[row.operands[1]] > MOST_PRODUCTS * row.columns:
+        if row.kind == "affine" and row.size * sizes[row.operands[1]] > most_products * row.columns:
             raise ValueError(f"a product of {sizes[row.operands[0]]} and more elements")
-    limit(sum(map(partial(_work, sizes), program.operations)), MOST_WORK, WORK_NUMBERS)
+    work = sum(map(partial(_work, sizes), program.operations))
+    limit(work, MOST_WORK, "numbers that the Program reads and makes")
 
 
 def _work(sizes: Sequence[int], row: Operation) -> int:

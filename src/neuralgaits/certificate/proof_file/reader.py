@@ -42,7 +42,8 @@ from neuralgaits.programs.prune import reading
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import packed
 
-FORMAT, KIND = 3, "neuralgaits certificate"
+FORMAT = 3
+KIND = "neuralgaits certificate"
 FIELDS = frozenset(
     "format kind robot weights_sha256 spec program program_hash chart statements theorems"
     " model".split()
@@ -55,10 +56,6 @@ LEAF, DIGITS = "-", "0123456789abcdef"
 
 Corners = tuple[np.ndarray, np.ndarray]
 """Boxes by their lower and upper corners. [boxes, n] each."""
-
-
-_NAME_A_PROOF = f"name a run that is certified, or its {PROOF}"
-"""Remedy for a file that is none of this kind."""
 
 
 class InconsistentError(Exception):
@@ -171,19 +168,20 @@ def halves(low: Corner, high: Corner, axis: int) -> tuple[tuple[Corner, Corner],
 
 def read_claims(path: Path) -> Claims:
     """Read a proof file. Raises: InputError in one line if it is not one of this format."""
+    remedy = f"name a run that is certified, or its {PROOF}"
     try:
         text = packed.content(path).decode("utf-8")
     except (OSError, ValueError) as error:
         why = "no text" if isinstance(error, UnicodeDecodeError) else reason(error)
         raise InputError(
-            f"expected a proof file at {path}, found none to read: {why}; {_NAME_A_PROOF}"
+            f"expected a proof file at {path}, found none to read: {why}; {remedy}"
         ) from None
     try:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:
         why = f"no JSON, {error}" if isinstance(error, JSONDecodeError) else str(error)
         # Damaged, or of another version, it is still the proof of a run.
-        way = "certify its run again" if KIND in text else _NAME_A_PROOF
+        way = "certify its run again" if KIND in text else remedy
         raise InputError(
             f"expected a proof file of format {FORMAT}, found in {path}: {shortened(why)}; {way}"
         ) from None

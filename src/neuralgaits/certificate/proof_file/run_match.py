@@ -16,11 +16,6 @@ from neuralgaits.errors import RunError
 from neuralgaits.runs.file_content import MOST_ARRAYS_BYTES, file_content
 from neuralgaits.runs.names import CONFIG, ROBOT, SPEC, WEIGHTS
 
-SETS = ("walking.", "orbit.", "full.", "disturbed.")
-"""Prefixes of constants that are parameters of a theorem and not the gait's."""
-UNNAMED = "MuJoCo Model"
-"""Name that MuJoCo gives a model without one; the robot is then called as its file was."""
-
 
 def differences(claims: Claims, run: Path) -> list[str]:
     """List the differences between the proof and the run, one sentence each; empty if none.
@@ -45,7 +40,9 @@ def robot_name(text: bytes) -> str | None:
         name = ElementTree.fromstring(text).get("model", "")
     except (ElementTree.ParseError, ValueError, LookupError):
         return None  # No robot: who loads it says so.
-    return None if name in ("", UNNAMED) else _without_blanks(name)
+    # Name that MuJoCo gives a model without one; the robot is then called as its file was.
+    unnamed = "MuJoCo Model"
+    return None if name in ("", unnamed) else _without_blanks(name)
 
 
 def _without_blanks(name: str) -> str:
@@ -73,8 +70,10 @@ def _weights_that_differ(claims: Claims, path: Path) -> list[str]:
     """List named constants of the Program that differ from the run's arrays in any bit."""
     stored = _read_tensors(path)
     wrong = []
+    # Prefixes of constants that are parameters of a theorem and not the gait's.
+    sets = ("walking.", "orbit.", "full.", "disturbed.")
     for constant in claims.program.constants:
-        if constant.name is None or constant.name.startswith(SETS):
+        if constant.name is None or constant.name.startswith(sets):
             continue
         array = stored.get(constant.name)
         same = (

@@ -14,12 +14,6 @@ from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, Statement
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.prune import prune
 
-POINTS, MOST_CORNERS = 256, 64
-"""Number of points of each root box beside its corners, and most corners."""
-ROUNDING = 1e-7
-"""Error of evaluation in doubles allowed, relative to scale or value; gaits' Programs reach
-1e-10."""
-
 
 def first_broken_bound(claims: Claims) -> str | None:
     """Return a statement that one of the points breaks, as a sentence; None if there is none."""
@@ -40,14 +34,17 @@ def _broken_statement(claims: Claims, statements: list[Statement]) -> str | None
         return None
     inputs = {"u": points}
     if len(program.inputs) > 1:
-        inputs[FIBRE] = _in_ball(len(points), program.inputs[1].shape[0])
+        inputs[FIBRE] = _ball_points(len(points), program.inputs[1].shape[0])
     with np.errstate(all="ignore"):
         values = evaluate(program, inputs, POINT)
+    # Error of evaluation in doubles allowed, relative to scale or value; gaits' Programs reach
+    # 1e-10.
+    rounding = 1e-7
     for one in statements:
         for name in one.conditions:
             scale, least = one.scales[name], one.bounds[name] * one.scales[name]
             smallest = values[name].reshape(len(points), -1).min(axis=1)
-            slack = ROUNDING * (scale + np.abs(least))
+            slack = rounding * (scale + np.abs(least))
             # A value that is no number breaks a bound, too.
             if (wrong := ~(smallest >= least - slack)).any():
                 worst = int(np.argmax(wrong))
@@ -62,8 +59,8 @@ def _broken_statement(claims: Claims, statements: list[Statement]) -> str | None
 def _points(statement: Statement) -> Float[np.ndarray, "points n"]:
     """Return corners, middle and random points of a root box that a statement covers."""
     low, high = np.array(statement.low), np.array(statement.high)
-    random = np.random.default_rng(0).random((POINTS, len(low)))
-    corners = itertools.islice(itertools.product((0.0, 1.0), repeat=len(low)), MOST_CORNERS)
+    random = np.random.default_rng(0).random((256, len(low)))
+    corners = itertools.islice(itertools.product((0.0, 1.0), repeat=len(low)), 64)
     shares = np.concatenate([np.array(list(corners)), np.full((1, len(low)), 0.5), random])
     # Where two axes have to be near each other, half of the points have the same value of both.
     for near in statement.coupled_axes:
@@ -72,7 +69,7 @@ def _points(statement: Statement) -> Float[np.ndarray, "points n"]:
     return points[required_boxes(statement.coupled_axes, points, points)]
 
 
-def _in_ball(count: int, size: int) -> Float[np.ndarray, "points size"]:
+def _ball_points(count: int, size: int) -> Float[np.ndarray, "points size"]:
     """Return random points of the unit ball, every other one on its surface."""
     draw = np.random.default_rng(1)
     direction = draw.standard_normal((count, size))

@@ -25,7 +25,6 @@ from neuralgaits.records.checked import Arithmetic
 
 FEW = 512
 """Leaves that are bounded before another process starts."""
-MOST_PROCESSES = 8
 
 
 class Piece(NamedTuple):
@@ -107,7 +106,7 @@ def bound_all(
     """
     pieces, here = pieces_of(trees), PieceBounder(program, statements, trees, arithmetic)
     total = sum(piece.leaves for piece in pieces)
-    count = min(cores(), MOST_PROCESSES) if total > FEW else 1
+    count = min(cores(), 8) if total > FEW else 1
     answer, boxes, in_balls, done = PieceResult("holds", None, 0, 0), 0, 0, 0
     with contextlib.ExitStack() as stack:
         processes = [
@@ -116,7 +115,7 @@ def bound_all(
             )
             for k in range(1, count)
         ]
-        for piece, found in zip(pieces, _in_order(pieces, here, processes), strict=False):
+        for piece, found in zip(pieces, _ordered_answers(pieces, here, processes), strict=False):
             boxes, in_balls = boxes + found.boxes, in_balls + found.boxes_in_balls
             done += piece.leaves
             if answer.verdict == "holds" or found.verdict == "rejected":
@@ -128,7 +127,7 @@ def bound_all(
     return answer._replace(boxes=boxes, boxes_in_balls=in_balls)
 
 
-def _in_order(
+def _ordered_answers(
     pieces: Sequence[Piece], here: PieceBounder, processes: Sequence["OtherProcess"]
 ) -> Iterator[PieceResult]:
     """Yield the result of each piece in order; bound own pieces ahead while waiting for others."""

@@ -29,11 +29,8 @@ from neuralgaits.records.checked import Arithmetic
 
 Verdict = Literal["holds", "rejected", "undecided"]
 
-BATCH, BATCH_OF_BALLS = MOST_BOXES, 64
-"""Number of boxes bounded at a time: in doubles, and in balls."""
-HALVINGS_IN_DOUBLES = (2, 8)
-"""Halvings of every axis, and of all together, from which on balls bound what doubles do not decide
-of a leaf. Before, two more boxes in doubles take a hundredth of the time of one in balls."""
+BATCH = MOST_BOXES
+"""Number of boxes bounded at a time in doubles."""
 MANY = 24
 """Number of leaves from which on symbols for remainders are worth choosing. The search has them
 from 64 boxes on, and its leaves are too large for bounds without: from 250 on, 27 of 294 thousand
@@ -41,8 +38,6 @@ boxes of all speeds went to balls, and the check took fourteen times as long."""
 MOST_MORE = 2**13
 """Most boxes that leaves bounded together may add; in many axes, halvings of every axis would go on
 without end."""
-MOST_CORNERS = 64
-"""Most corners of a box at which a violation is sought."""
 
 
 class StatementCheck:
@@ -108,7 +103,10 @@ class StatementCheck:
     def _bound(self, low: np.ndarray, high: np.ndarray) -> None:
         """Bound boxes, splitting those that fail depth first, so that a failure shows early."""
         stack, most = [(low, high, 0)], self.boxes + len(low) + MOST_MORE
-        each, together = HALVINGS_IN_DOUBLES
+        # Halvings of every axis, and of all together, from which on balls bound what doubles do not
+        # decide of a leaf. Before, two more boxes in doubles take a hundredth of the time of one in
+        # balls.
+        each, together = 2, 8
         early = min(each * len(self.wide), together)
         deepest = 6 * len(self.wide)  # Halvings of a leaf before the check gives up on it.
         while stack:
@@ -146,8 +144,9 @@ class StatementCheck:
             failing = ~answers.reached
             judged = failing & answers.hopeless if early else failing
         places = np.flatnonzero(judged)
-        for start in range(0, len(places), BATCH_OF_BALLS):
-            some = places[start : start + BATCH_OF_BALLS]
+        in_balls = 64  # Number of boxes bounded at a time in balls.
+        for start in range(0, len(places), in_balls):
+            some = places[start : start + in_balls]
             reached = self._reached(low[some], high[some])
             failing[some[reached]] = False
             some = some[~reached]
@@ -198,9 +197,10 @@ class StatementCheck:
     def _counterexample(self, low: np.ndarray, high: np.ndarray) -> str | None:
         """Return a centre or corner of the boxes where a condition certainly misses its bound."""
         corners = itertools.product((0.0, 1.0), repeat=low.shape[1])
+        most_corners = 64  # Most corners of a box at which a violation is sought.
         shares = [
             np.full(low.shape[1], 0.5),
-            *map(np.array, itertools.islice(corners, MOST_CORNERS)),
+            *map(np.array, itertools.islice(corners, most_corners)),
         ]
         points = np.concatenate([low + (high - low) * share for share in shares])
         points = np.clip(points, self.statement.low, self.statement.high)

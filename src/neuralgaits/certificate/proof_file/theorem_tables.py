@@ -17,7 +17,7 @@ from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstan
 from neuralgaits.certificate.proof_file.limits import MOST_NAMES, MOST_SERIES, limit
 from neuralgaits.records.levels import FULL_ORDER_LEVEL, ORBIT_LEVEL, WALKING_SET_LEVEL
 
-BY_NUMBER: Mapping[int, Level] = {level.number: level for level in LEVELS}
+LEVELS_BY_NUMBER: Mapping[int, Level] = {level.number: level for level in LEVELS}
 T = TypeVar("T")
 
 
@@ -69,7 +69,7 @@ class Theorems(NamedTuple):
         """Read what `tables` wrote. Raises: ValueError on anything else."""
         if not isinstance(tables, list | tuple):
             raise ValueError("theorems that are no list")
-        limit(len(tables), len(BY_NUMBER), "theorems")
+        limit(len(tables), len(LEVELS_BY_NUMBER), "theorems")
         parameters_by_level: dict[int, Any] = {}
         claimed = []
         for table in tables:
@@ -78,11 +78,13 @@ class Theorems(NamedTuple):
             number, parameters = table["level"], table["parameters"]
             if not isinstance(table["claimed"], bool) or not isinstance(parameters, dict):
                 raise ValueError(f"the theorem {table} of level {number}")
-            if type(number) is not int or number not in BY_NUMBER:
+            if type(number) is not int or number not in LEVELS_BY_NUMBER:
                 raise ValueError(f"a theorem of level {number!r}")
-            parameters_by_level[number] = from_table(BY_NUMBER[number].parameters, parameters)
+            parameters_by_level[number] = from_table(
+                LEVELS_BY_NUMBER[number].parameters, parameters
+            )
             claimed += [number] * table["claimed"]
-        levels = [BY_NUMBER[number] for number in parameters_by_level]
+        levels = [LEVELS_BY_NUMBER[number] for number in parameters_by_level]
         if (
             len(parameters_by_level) != len(tables)
             or list(parameters_by_level) != sorted(parameters_by_level)

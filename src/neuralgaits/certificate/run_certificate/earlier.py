@@ -25,8 +25,6 @@ from neuralgaits.records.certified import (
 )
 from neuralgaits.runs import RunFolder, packed, write_bytes
 
-_MOVE = "move it out of the run"
-
 
 def level_reached(conditions: Iterable[ConditionVerdict], conclusions: Iterable[Conclusion]) -> int:
     """Return the highest level that is proved with all below, of everything or of a part; or 0."""
@@ -162,13 +160,14 @@ def put_hidden_aside(run: Path) -> Path | None:
 
 def refuse_no_place_aside(run: Path) -> None:
     """Refuse a run whose proof could not be put aside, before the search. Raises: InputError."""
+    move = "move it out of the run"
     for path in _proofs_in(run):
-        refuse_unreadable(path, packed.LARGEST_BYTES, remedy=_MOVE)
+        refuse_unreadable(path, packed.LARGEST_BYTES, remedy=move)
         try:
             _free_name(path, path.read_bytes())
         except OSError as error:
             raise InputError(
-                f"expected a proof file that can be read, found {path}: {reason(error)}; {_MOVE}, "
+                f"expected a proof file that can be read, found {path}: {reason(error)}; {move}, "
                 "or allow reading it"
             ) from None
 

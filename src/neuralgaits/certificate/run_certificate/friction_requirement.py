@@ -11,11 +11,6 @@ from typing import Any
 
 from neuralgaits.certificate.levels.walking_set.theorem import cover_the_tube
 
-FORCES = "friction_forward", "friction_backward"
-IMPULSES = "impulse_cone_forward", "impulse_cone_backward"
-"""Quantities by name, as `barriers.description` has them."""
-GUARD = (1.0, 0.0), (1.0, 1.0)
-
 
 def friction_needed(described: Mapping[str, Any]) -> float:
     """Return the least coefficient of friction on which no foot slips where the conditions hold.
@@ -27,16 +22,20 @@ def friction_needed(described: Mapping[str, Any]) -> float:
         on all of the guard.
     """
     frictions: dict[str, float] = {}
+    # Quantities by name, as `barriers.description` has them.
+    forces = ("friction_forward", "friction_backward")
+    impulses = ("impulse_cone_forward", "impulse_cone_backward")
+    guard = (1.0, 0.0), (1.0, 1.0)
     for row in described["conditions"]:
         quantity = row.get("quantity")
         if row.get("kind") != "Pointwise" or not isinstance(quantity, Mapping):
             continue
         name = str(quantity.get("function"))
         boxes = described["regions"][row["region"]]
-        on_the_tube = name in FORCES and cover_the_tube(_corners(boxes))
-        if on_the_tube or (name in IMPULSES and GUARD in _corners(boxes)):
+        on_the_tube = name in forces and cover_the_tube(_corners(boxes))
+        if on_the_tube or (name in impulses and guard in _corners(boxes)):
             frictions[name] = min(quantity["coefficient"], frictions.get(name, math.inf))
-    return max(frictions.values()) if set(frictions) == {*FORCES, *IMPULSES} else math.inf
+    return max(frictions.values()) if set(frictions) == {*forces, *impulses} else math.inf
 
 
 def _corners(boxes: Iterable[Any]) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:

@@ -23,8 +23,6 @@ from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL
 
 ROUNDING = 1e-9
 """Largest difference of fitted gains from those of a proof file, as a share of the largest gain."""
-_PHASES, _LEVELS = 33, 5
-"""Number of states along phase and level at which a controller's bounds are compared with a set."""
 
 
 def law_proofs(
@@ -42,22 +40,22 @@ def law_proofs(
     if certificate.proof is None or DISTURBED_LEVEL not in proved_levels(certificate):
         return ()
     parameters = certificate.proof.theorems.parameters
-    full, shape = parameters[FULL_ORDER_LEVEL], parameters[DISTURBED_LEVEL]
-    subject = "scheduled-pd" if shape.scheduled else "fblin"
-    found = []
+    full, disturbed = parameters[FULL_ORDER_LEVEL], parameters[DISTURBED_LEVEL]
+    subject = "scheduled-pd" if disturbed.scheduled else "fblin"
+    proofs = []
     for name, controller in controllers.items():
         reason = f"the proof is about {subject}"
         if name == subject:
-            reason = _difference(run, controller, full, shape)
+            reason = _difference(run, controller, full, disturbed)
         law = controller.law
         width = law.bandwidth if isinstance(law, Fblin | ScheduledPd) else None
-        clock = "free" if shape.free_clock else "touchdown"
-        found.append(LawProof(name, width, subject, shape.hold, clock, reason))
-    return tuple(found)
+        clock = "free" if disturbed.free_clock else "touchdown"
+        proofs.append(LawProof(name, width, subject, disturbed.hold, clock, reason))
+    return tuple(proofs)
 
 
 def _difference(
-    run: Run, controller: Controller, full: FullOrderConstants, shape: DisturbedConstants
+    run: Run, controller: Controller, full: FullOrderConstants, disturbed: DisturbedConstants
 ) -> str | None:
     """Return how a controller differs from the one of the theorem; None if it does not."""
     law = controller.law
@@ -70,22 +68,22 @@ def _difference(
         return "its torque is not that of the measured state at every tick"
     if controller.joints is not None:
         return "its torques are for identified joints, and the proof is about the robot file's"
-    if not shape.hold >= controller.period_s:
-        proved, period = (f"{1e3 * one:.4g}" for one in (shape.hold, controller.period_s))
+    if not disturbed.hold >= controller.period_s:
+        proved, period = (f"{1e3 * one:.4g}" for one in (disturbed.hold, controller.period_s))
         return f"its ticks are {period} ms apart, and the proof is about {proved} ms at most"
-    if isinstance(law, ScheduledPd) and not _has_gains(law, shape):
+    if isinstance(law, ScheduledPd) and not _has_gains(law, disturbed):
         return "its gains are not those of the proof file"
     if not _unchanged(run, controller, full):
         return "it bounds z inside the set of the proof, so that its torque is another one there"
     return None
 
 
-def _has_gains(law: ScheduledPd, shape: DisturbedConstants) -> bool:
+def _has_gains(law: ScheduledPd, disturbed: DisturbedConstants) -> bool:
     """Return whether a law's gains are those of a proof file, but for rounding."""
     if law.schedule is None:
         return False
     gains = law.schedule.gains
-    pairs = (gains.torque, shape.torque_gains), (gains.inertia, shape.inertia_gains)
+    pairs = (gains.torque, disturbed.torque_gains), (gains.inertia, disturbed.inertia_gains)
     for fitted, stated in pairs:
         own, other = np.ravel(np.asarray(fitted)), np.array(stated)
         if own.shape != other.shape:
@@ -99,7 +97,8 @@ def _unchanged(run: Run, controller: Controller, full: FullOrderConstants) -> bo
     """Return whether a controller uses z as it is all over the tube of a set, at sampled states."""
     gait, schedule = run.trained, getattr(controller.law, "schedule", None)
     assert isinstance(gait, Gait)
-    charts = grid(np.linspace(*full.ends, _PHASES), np.linspace(0.0, 1.0, _LEVELS))
+    # States at which a controller's bounds are compared with a set.
+    charts = grid(np.linspace(*full.ends, 33), np.linspace(0.0, 1.0, 5))
 
     @jax.vmap
     def changes(u: jax.Array) -> jax.Array:

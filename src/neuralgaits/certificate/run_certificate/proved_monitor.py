@@ -36,9 +36,6 @@ from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL, WALKING_SET_LEVEL
 
-STEP_INPUTS = ("before", "after")
-"""Inputs of a set that are commands."""
-
 
 def monitor_of(run: Run, certificate: CertificateReading | None = None) -> StateMonitor | None:
     """Return the monitor of a run; None if no level above 1 is proved, or of a believed lean.
@@ -96,13 +93,13 @@ def spans(chart: Chart, command_names: Sequence[str]) -> tuple[CommandSpan, ...]
 
 
 def walking_set_of(
-    run: Run, shape: WalkingSetConstants, unproved: tuple[Barrier, ...] = ()
+    run: Run, walking: WalkingSetConstants, unproved: tuple[Barrier, ...] = ()
 ) -> StateSet:
     """Return the set T of level 2.
 
     Args:
         run: the run.
-        shape: constants of the set.
+        walking: constants of the set.
         unproved: barriers that are not proved on all of T, for a gait without commands.
     """
     robot, trained = run.robot, run.trained
@@ -112,7 +109,7 @@ def walking_set_of(
         assert isinstance(trained, Gait)
         zd = ZeroDynamics(robot, trained.policy, *run.residuals)
         z = coordinates.of(q, dq)
-        return walking_set.walking_membership(trained, zd, shape, unproved, z)
+        return walking_set.walking_membership(trained, zd, walking, unproved, z)
 
     def of_step(
         q: Coordinates,
@@ -127,14 +124,15 @@ def walking_set_of(
         pair = Pair(*map(trained.policy.scaled, (before, after)))
         gait = Gait(policy, trained.tube.at(pair, exact=True))
         zd = ZeroDynamics(robot, policy, *run.residuals)
-        return walking_set.walking_membership(gait, zd, shape, (), coordinates.of(q, dq))
+        return walking_set.walking_membership(gait, zd, walking, (), coordinates.of(q, dq))
 
     inputs = {"q": (robot.n,), "dq": (robot.n,)}
-    if shape.told:
-        inputs |= {name: (len(trained.commands),) for name in STEP_INPUTS}
+    if walking.told:
+        step_inputs = ("before", "after")  # Inputs of a set that are commands.
+        inputs |= {name: (len(trained.commands),) for name in step_inputs}
         inputs["step"] = (trained.policy.step_size,)
     parameters = {"robot": robot, "gait": trained}
-    program = trace(of_step if shape.told else of_gait, inputs, parameters=parameters)
+    program = trace(of_step if walking.told else of_gait, inputs, parameters=parameters)
     return StateSet(
         (WALKING_SET_LEVEL,),
         "walking",
@@ -164,12 +162,12 @@ def _unproved(run: Run, proof: Claims) -> tuple[Barrier, ...]:
 
     Raises: SpecError if there are some and the gait takes commands.
     """
-    shape = proof.theorems.walking
-    assert shape is not None
+    walking = proof.theorems.walking
+    assert walking is not None
     bounds = proved_bounds(proof.statements)
-    missing = {p.output for p in safe_premises(shape) if first_missing([p], bounds)}
+    missing = {p.output for p in safe_premises(walking) if first_missing([p], bounds)}
     unproved = tuple(b for b in barriers(run.spec) if f"set/value {b.name}" in missing)
-    if unproved and shape.told:
+    if unproved and walking.told:
         raise SpecError(
             f"expected a proof in which {unproved[0].name} is not negative on all of the walking "
             "set, found one that leaves it open: a monitor of commands has no such part of the set"
@@ -178,7 +176,7 @@ def _unproved(run: Run, proof: Claims) -> tuple[Barrier, ...]:
 
 
 def full_order_set_of(
-    run: Run, shape: FullOrderConstants, levels: tuple[int, ...] = (FULL_ORDER_LEVEL,)
+    run: Run, full: FullOrderConstants, levels: tuple[int, ...] = (FULL_ORDER_LEVEL,)
 ) -> StateSet:
     """Return the set D of levels 4 and 5, those of them that are proved.
 
@@ -189,7 +187,7 @@ def full_order_set_of(
     model = FullOrderModel(run.robot, gait, run.spec)
 
     def of_state(q: Coordinates, dq: Coordinates) -> dict[str, Array]:
-        return full_order.full_order_membership(model, shape, q, dq)
+        return full_order.full_order_membership(model, full, q, dq)
 
     n = run.robot.n
     program = trace(
@@ -202,5 +200,5 @@ def full_order_set_of(
         "h - t - sigma V of every barrier.",
         program,
         full_order.ENDS,
-        full_order.wall_names(shape),
+        full_order.wall_names(full),
     )

@@ -42,8 +42,6 @@ from neuralgaits.programs import Program
 from neuralgaits.records import certified
 from neuralgaits.records.certified import Conclusion
 
-MORE = "--resume goes on, with a --budget for as long as that lasts"
-
 
 @dataclass(frozen=True)
 class ProofEffort:
@@ -210,7 +208,8 @@ def _conclude(
     reached = level_reached(verdicts.values(), conclusions)
     reason = None
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
-        reason = f"{ended or 'the search ran out of boxes'}; {MORE}"
+        remedy = "--resume goes on, with a --budget for as long as that lasts"
+        reason = f"{ended or 'the search ran out of boxes'}; {remedy}"
     if scope.box:
         reason = level_one.worst_robot(verdicts, scope.chart) or reason
     if scope.part is not None:

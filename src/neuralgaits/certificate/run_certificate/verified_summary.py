@@ -45,7 +45,6 @@ from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
 """Files that a certificate is about or rests on."""
-DAMAGED = f"{SUMMARY} is damaged or of another version"
 UNCHECKED = f"{SUMMARY} has as its reason, which is not checked:"
 
 
@@ -99,15 +98,16 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
         refuse_large(path, MOST_BYTES)
     except RunError as error:
         return CertificateReading(reason=str(error))
+    damaged = f"{SUMMARY} is damaged or of another version"
     try:
         summary = from_json(path.read_bytes())
         if wrong := complaint(summary, shape_of(CertificateRecord)):
-            return CertificateReading(reason=f"{DAMAGED}, {wrong}")
+            return CertificateReading(reason=f"{damaged}, {wrong}")
         return _read(folder, build(CertificateRecord, summary))
     except Unfit as error:
         return CertificateReading(reason=str(error))
     except (OSError, ValueError, AttributeError, KeyError, TypeError):
-        return CertificateReading(reason=DAMAGED)
+        return CertificateReading(reason=damaged)
 
 
 def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:

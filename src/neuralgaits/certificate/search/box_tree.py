@@ -17,10 +17,6 @@ from neuralgaits.certificate.search.halving import (
 NEAR = 0.7
 """Share of the costliest axis's cost from which on an axis is a candidate; the least halved one is
 chosen."""
-FALL = 0.125
-"""Share of an axis's cost that remains after a halving: bounds are of second degree."""
-MEASURED = 3
-"""Halvings between two measurements of each axis's cost along a branch of the tree."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +145,9 @@ class BoxTree:
     def unmeasured(self, boxes: np.ndarray) -> np.ndarray:
         """Select those of the boxes for which measuring each axis's cost is worth the time."""
         unknown = np.any(self.pending.of(boxes).costs == np.inf, axis=1)
-        return boxes[unknown | (self.depth[boxes] % MEASURED == 0)]
+        # Halvings between two measurements of each axis's cost along a branch of the tree.
+        halvings = 3
+        return boxes[unknown | (self.depth[boxes] % halvings == 0)]
 
     def measured(self, boxes: np.ndarray, costs: Float[np.ndarray, "P n"]) -> "BoxTree":
         """Return the tree with the measured cost of each axis of some boxes."""
@@ -191,7 +189,9 @@ class BoxTree:
         new, halved = len(first) + count, (count, axis.repeat(2))
         before = self.pending.of(of_halves)
         before.cuts[halved] += 1
-        before.costs[halved] *= FALL
+        # Share of an axis's cost that remains after a halving: bounds are of second degree.
+        rest = 0.125
+        before.costs[halved] *= rest
         added = PendingBoxes(new.astype(np.int32), *boxes, before.cuts, before.costs)
         added = added if keep is None else added.take(keep)
         unhalved = np.ones(len(self.pending.number), dtype=bool)

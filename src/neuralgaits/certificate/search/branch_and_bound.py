@@ -28,20 +28,16 @@ Confirm = Callable[[str, np.ndarray], Counterexample | None]
 Phase = Literal["decide", "tighten"]
 """Purpose of a search: the signs of the margins, or their sizes."""
 
-START_CUTS, MOST_AT_START = 3, 5
-"""Halvings at the start: of every axis that is not weak, in turn, and the most in all."""
-MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
-"""Most halvings an axis to decide, to raise a margin, and around a refutation."""
+MOST_AT_START = 5
+"""Most halvings at the start."""
+MAP_DEPTH = 6
+"""Most halvings an axis around a refutation."""
 MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Most boxes added by one search of a root without a deadline, to decide and to raise margins."""
-MOST_POINTS = 2**14
-"""Most centres of new boxes that are evaluated; those with the lowest bounds are chosen."""
 HARD, HARD_IN_PLANE = 64, 500
 """Numbers of boxes from which on bounds are made with symbols for remainders: in more axes than two
 once the first boxes are bounded. In the plane boxes are cheap, and margins are read: the more boxes
 the nearer they come to the smallest margin seen."""
-POINTS = 33 * 33
-"""Approximate number of points of the root that are evaluated first."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +73,8 @@ def start(problem: Problem, confirm: Confirm) -> Search:
     strong = [
         axis for axis in tree.axes if axis < len(problem.low) - problem.weak_axes
     ] or tree.axes
-    for depth in range(min(START_CUTS * len(strong), MOST_AT_START)):
+    each = 3  # Halvings of every axis that is not weak, in turn.
+    for depth in range(min(each * len(strong), MOST_AT_START)):
         parents = np.flatnonzero(tree.depth == depth)
         axis = np.full(len(parents), strong[depth % len(strong)])
         unknown = np.full((2 * len(parents), len(problem.names)), np.inf)
@@ -89,7 +86,7 @@ def start(problem: Problem, confirm: Confirm) -> Search:
         tree = tree.with_bounds(
             batch, *_where_required(problem, low, high, problem.bounds(low, high))
         )
-    points = problem.grid(POINTS)
+    points = problem.grid(33 * 33)  # About as many points of the root.
     state = _refute(problem, replace(state, tree=tree), points, confirm)
     # Twice, look for ends of the weak axes at which margins are smaller.
     for _ in range(2 if problem.weak_axes else 0):
@@ -157,10 +154,12 @@ def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, 
     if phase == "decide":
         # With weak axes there is no map of the boxes around a point that breaks a condition.
         shown = 0 if problem.weak_axes else MAP_DEPTH
-        targets, depth = np.zeros(len(problem.names)), np.where(refuted, shown, MAX_DEPTH)
+        targets = np.zeros(len(problem.names))
+        deepest = np.where(refuted, shown, 20)  # Most halvings an axis.
     else:
-        targets, depth = np.where(decided, np.maximum(worth, 0.0), -np.inf), TIGHTEN_DEPTH
-    short = ~(tree.lower >= targets) & (tree.depth[:, None] < depth * len(tree.axes))
+        targets = np.where(decided, np.maximum(worth, 0.0), -np.inf)
+        deepest = 10
+    short = ~(tree.lower >= targets) & (tree.depth[:, None] < deepest * len(tree.axes))
     # Where every point violates a condition there is nothing left to find.
     short &= tree.is_leaf[:, None] & ~(tree.upper < 0.0)
     with np.errstate(invalid="ignore"):
@@ -196,9 +195,11 @@ def _round(
     unsure = np.flatnonzero(
         np.any(~(lower >= 0.0) | (lower < problem.tight * state.smallest), axis=1)
     )
-    if len(unsure) > MOST_POINTS:
+    # Most centres of new boxes that are evaluated; those with the lowest bounds are chosen.
+    most_points = 2**14
+    if len(unsure) > most_points:
         worst = np.min(np.where(np.isnan(lower), -np.inf, lower)[unsure], axis=1)
-        unsure = unsure[np.argpartition(worst, MOST_POINTS)[:MOST_POINTS]]
+        unsure = unsure[np.argpartition(worst, most_points)[:most_points]]
     points = (low + (high - low) * 0.5)[unsure]
     return _refute(problem, state, points, confirm) if len(points) else state
 

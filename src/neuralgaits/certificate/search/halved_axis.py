@@ -18,9 +18,6 @@ from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import Corners
 from neuralgaits.certificate.search.problem import BoundAll, Problem
 
-TRIAL_RATIO = 32.0
-"""How many times the sum of the costs of its axes a box lacks, from where on halvings are tried."""
-
 
 def axis_to_halve(
     problem: Problem,
@@ -49,7 +46,9 @@ def axis_to_halve(
     # Costs that are infinite have chosen already: an axis that alone leaves no bound.
     cost_sum = np.where(here.costs > -np.inf, here.costs, 0.0).sum(axis=1)
     most = lacking.max(axis=1)
-    tried = np.flatnonzero((cut_off < 0) & np.isfinite(cost_sum) & (most > TRIAL_RATIO * cost_sum))
+    # How many times the sum of the costs of its axes a box lacks, from where on halvings are tried.
+    trial_ratio = 32.0
+    tried = np.flatnonzero((cut_off < 0) & np.isfinite(cost_sum) & (most > trial_ratio * cost_sum))
     strong = [a for a in tree.axes if a < len(problem.low) - problem.weak_axes]
     if not len(tried) or not strong:
         return axis
@@ -113,8 +112,8 @@ def _after_halving(
     starts, ends = starts.reshape(-1, low.shape[1]), ends.reshape(-1, low.shape[1])
     size, parts = problem.batch, []
     batches = [(starts[k : k + size], ends[k : k + size]) for k in range(0, len(starts), size)]
-    with closing(bound_all(problem, batches)) as found:
-        for lower, _ in found:
+    with closing(bound_all(problem, batches)) as answers:
+        for lower, _ in answers:
             parts.append(lower)
             if time.monotonic() >= deadline:
                 return None

@@ -16,13 +16,6 @@ from neuralgaits.programs.native.bounder import Bounder
 from neuralgaits.programs.native.compiled_choice import compiled_choice
 from neuralgaits.programs.remainder_symbols import count_of, numbered, values_with_symbols
 
-LEAST_BATCH, MOST_BATCH = 64, 512
-"""Numbers of boxes bounded at once: fewer waste time in calls, more exhaust the processor's
-cache."""
-COMPILED_BATCH, COMPILED_DEGREE = 8192, 2
-"""Number of boxes bounded at once by compiled code, and the degree that it supports."""
-CACHE_BYTES = 2**22
-"""Size of the largest result of an operation over a batch [bytes]: about a core's own cache."""
 Boxes = tuple[np.ndarray, np.ndarray]
 """Lower and upper corners of B boxes. [B, n] each."""
 Bounds = tuple[np.ndarray, np.ndarray]
@@ -91,9 +84,13 @@ class Problem:
         """Number of boxes to bound at once."""
         largest = max((operation.size for operation in self.program.operations), default=1)
         if self._compiled is not None:
-            return COMPILED_BATCH
+            return 8192
         one = terms(self.degree, len(self.low)) * largest * np.dtype(np.float64).itemsize
-        return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
+        # Size of the largest result of an operation over a batch [bytes]: about a core's own cache.
+        cache_bytes = 2**22
+        # Fewer boxes waste time in calls, more exhaust the processor's cache.
+        least, most = 64, 512
+        return min(max(cache_bytes // one, least), most)
 
     def bounds(self, low: Corners, high: Corners) -> tuple[PerCondition, PerCondition]:
         """Bound each condition's smallest margin over boxes, in scales; NaN if unbounded."""
@@ -197,7 +194,7 @@ class Problem:
     @cached_property
     def _compiled(self) -> Bounder | None:
         """Return compiled code where there is a compiler; the Python rules are the reference."""
-        if self.degree != COMPILED_DEGREE:
+        if self.degree != 2:  # No other degree is compiled.
             return None
         return Bounder.of(self.program, self.names, self._folded, self._symbols_of)
 

@@ -25,9 +25,8 @@ TURN_BOXES = 2**13
 proof must not depend on how fast boxes are bounded, or by whom."""
 MEMORY_BYTES = 2**29
 """Memory for the boxes of all roots [bytes]. A round needs a few times as much beside them."""
-WIDE_TURN_BOXES, WIDE_MEMORY_BYTES = 2**17, 2**32
-"""Boxes a turn and memory in more axes than two, where each round copies more boxes. Turns begin as
-short as in the plane and double: within a budget the easy roots are proved first."""
+WIDE_MEMORY_BYTES = 2**32
+"""Memory in more axes than two, where each round copies more boxes [bytes]."""
 WEAK_BOXES = 20_000
 """Most boxes added by a search of a root most of whose axes are weak; one that can be closed needs
 a few hundred."""
@@ -126,7 +125,9 @@ def _explore(
                     progress=partial(keep, number),
                     bound_all=bound_all,
                 )
-            wide_turn = min(2 * wide_turn, WIDE_TURN_BOXES)
+            # In more axes than two each round copies more boxes. Turns begin as short as in the
+            # plane and double: within a budget the easy roots are proved first.
+            wide_turn = min(2 * wide_turn, 2**17)
             left = [n for n in left if len(to_split(problems[n], current[n], phase, room.of(n)))]
 
 

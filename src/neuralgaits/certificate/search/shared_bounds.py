@@ -19,7 +19,6 @@ from neuralgaits.engine import Files, Job, Settings, WorkerPool, worker_pool_for
 from neuralgaits.programs import Program
 
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
-_TUPLES = ("low", "high", "names", "scales", "least", "symbols")
 
 
 class SharedBounds:
@@ -34,14 +33,16 @@ class SharedBounds:
         Small batches are bounded in this process, as are boxes that no worker could bound.
         """
         pieces = [_pieces(problem, batch) for batch in batches]
-        bounds = self._in_order(problem, [piece for some in pieces for piece in some])
+        bounds = self._ordered_bounds(problem, [piece for some in pieces for piece in some])
         with closing(bounds):
             for some in pieces:
                 parts = [next(bounds) for _ in some]
                 lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
                 yield lower, upper
 
-    def _in_order(self, problem: Problem, pieces: Sequence[Boxes]) -> Generator[Bounds, None, None]:
+    def _ordered_bounds(
+        self, problem: Problem, pieces: Sequence[Boxes]
+    ) -> Generator[Bounds, None, None]:
         if len(pieces) == 1:
             yield problem.bounds(*pieces[0])
             return
@@ -120,6 +121,7 @@ def to_json(problem: Problem) -> str:
 def from_json(text: str) -> Problem:
     """Read a problem that `to_json` wrote."""
     values = json.loads(text)
-    values |= {name: tuple(values[name]) for name in _TUPLES}
+    tuples = ("low", "high", "names", "scales", "least", "symbols")
+    values |= {name: tuple(values[name]) for name in tuples}
     values["coupled_axes"] = tuple(CoupledAxes(*pair) for pair in values["coupled_axes"])
     return Problem(**values | {"program": Program.from_json(values["program"])})

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from neuralgaits.export import build, output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.fmu.fmu_sources import (
     compiled_files,
     headers,
@@ -17,15 +17,6 @@ from neuralgaits.export.fmu.fmu_sources import (
 )
 from neuralgaits.export.fmu.fmu_variables import variables_of
 from neuralgaits.export.fmu.model_description import build_description, model_description
-
-_SYSTEMS = {
-    "linux": ("linux", "linux", ".so"),
-    "darwin": ("darwin", "darwin", ".dylib"),
-    "win32": ("windows", "win", ".dll"),
-}
-"""Names of systems in FMI 3.0 and 2.0, and the suffix of their libraries."""
-_EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Date of every entry, so that the same gait gives the same file."""
 
 
 def fmu_file(
@@ -60,7 +51,13 @@ def fmu_file(
 
 def binary_place(version: str) -> tuple[str, str]:
     """Return the folder of this machine's binaries, and their suffix."""
-    three, two, suffix = _SYSTEMS.get(sys.platform, _SYSTEMS["linux"])
+    # Names of systems in FMI 3.0 and 2.0, and the suffix of their libraries.
+    systems = {
+        "linux": ("linux", "linux", ".so"),
+        "darwin": ("darwin", "darwin", ".dylib"),
+        "win32": ("windows", "win", ".dll"),
+    }
+    three, two, suffix = systems.get(sys.platform, systems["linux"])
     machine = platform.machine().lower().replace("amd64", "x86_64").replace("arm64", "aarch64")
     bits = "64" if sys.maxsize > 2**32 else "32"
     folder = f"{machine}-{three}" if version == "3.0" else f"{two}{bits}"
@@ -71,8 +68,10 @@ def archive(files: Mapping[str, str | bytes]) -> bytes:
     """Return a zip file with these files, the same bytes for the same content."""
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as zipped:
+        # Date of every entry, so that the same gait gives the same file.
+        epoch = (1980, 1, 1, 0, 0, 0)
         for name, content in files.items():
-            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry = zipfile.ZipInfo(name, epoch)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # Unix, on every machine: the permissions are Unix's.
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16

@@ -7,7 +7,7 @@ from importlib import resources
 from itertools import groupby
 
 from neuralgaits.export import build
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.fmu.fmu_variables import FmuVariable, JointList, VariableType
 from neuralgaits.export.source import quoted
 from neuralgaits.programs.c99.constant_arrays import wrapped
@@ -84,7 +84,7 @@ def source_files(
     return dict(sorted(files.items())), token
 
 
-def _of_type(variables: Sequence[FmuVariable], type: VariableType) -> list[FmuVariable]:
+def _typed(variables: Sequence[FmuVariable], type: VariableType) -> list[FmuVariable]:
     return [one for one in variables if one.type is type]
 
 
@@ -105,7 +105,7 @@ def _header(design: Design, variables: Sequence[FmuVariable], token: str) -> str
     ]
     first = 1
     for type, (name, _) in _NAMES.items():
-        count = len(_of_type(variables, type))
+        count = len(_typed(variables, type))
         lines += [
             f"#define NG_FMU_FIRST_{name.upper()} {first}u",
             f"#define NG_FMU_{name.upper()}S {count}u",
@@ -113,7 +113,7 @@ def _header(design: Design, variables: Sequence[FmuVariable], token: str) -> str
         first += count
     lines += ["", "/* Places among the variables of a type; those of one group follow. */"]
     for type in VariableType:
-        places = groupby(enumerate(_of_type(variables, type)), key=lambda pair: pair[1].place)
+        places = groupby(enumerate(_typed(variables, type)), key=lambda pair: pair[1].place)
         for place, members in places:
             lines.append(f"#define NG_FMU_{place} {next(members)[0]}")
     lines += [
@@ -144,7 +144,7 @@ def _tables(design: Design, variables: Sequence[FmuVariable]) -> str:
         f"const int ng_fmu_joint[NG_LEGS][NG_LEG_JOINTS] = {{{legs}}};",
     ]
     for type, (name, c_type) in _NAMES.items():
-        own = _of_type(variables, type)
+        own = _typed(variables, type)
         kinds = "".join(one.role.letter for one in own)
         starts = ", ".join(repr(one.start + 0) for one in own)
         size = f"NG_FMU_{name.upper()}S"
@@ -152,6 +152,6 @@ def _tables(design: Design, variables: Sequence[FmuVariable]) -> str:
             f'const char ng_fmu_{name}_kind[{size} + 1] =\n    "{kinds}";',
             wrapped(f"const {c_type} ng_fmu_{name}_start[{size}] = {{{starts}}};"),
         ]
-    most = ", ".join(str(one.high or 0) for one in _of_type(variables, VariableType.INTEGER))
+    most = ", ".join(str(one.high or 0) for one in _typed(variables, VariableType.INTEGER))
     sections.append(f"const int32_t ng_fmu_integer_most[NG_FMU_INTEGERS] = {{{most}}};")
     return "\n\n".join(sections) + "\n"

@@ -10,14 +10,9 @@ import numpy as np
 
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control.safeguard import Fault
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting, listed
 from neuralgaits.gait.commands import CommandLimits
-
-_QUOTABLE = re.compile(r"[A-Za-z0-9_ !#$%&()*+,\-./:;<>=?@\[\]^{}|~]+")
-"""Characters of a name that the standard accepts between single quotes."""
-DEFAULT_GAINS = (100.0, 3.0)
-"""Stiffness [N m/rad] and damping [N m s/rad] of drives with a loop of their own."""
 
 
 class VariableType(Enum):
@@ -72,7 +67,9 @@ def identifier(name: str, otherwise: str) -> str:
     """Return a name as a part of a structured one: as it is, in quotes, or `otherwise`."""
     if name.isascii() and name.isidentifier():
         return name
-    return f"'{name}'" if _QUOTABLE.fullmatch(name) else otherwise
+    # Characters of a name that the standard accepts between single quotes.
+    quotable = re.compile(r"[A-Za-z0-9_ !#$%&()*+,\-./:;<>=?@\[\]^{}|~]+")
+    return f"'{name}'" if quotable.fullmatch(name) else otherwise
 
 
 class JointList:
@@ -157,7 +154,8 @@ def _inputs(design: Design, joints: JointList) -> Iterator[FmuVariable]:
 
 def _parameters(design: Design) -> Iterator[FmuVariable]:
     real, limit = VariableType.REAL, float(np.max(design.controller.torque_limit))
-    stiffness, damping = DEFAULT_GAINS
+    # Stiffness [N m/rad] and damping [N m s/rad] of drives with a loop of their own.
+    stiffness, damping = 100.0, 3.0
     drives = "of drives with a loop of their own"
     limited = (
         "torque_limit",

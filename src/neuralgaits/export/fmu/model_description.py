@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 
 from neuralgaits.export import controller_prose
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.fmu.fmu_variables import FmuVariable, Role, VariableType, references
 from neuralgaits.export.source import commented
 
@@ -22,10 +22,6 @@ _BASES: Mapping[str, Mapping[str, int]] = {
     "kg.m2/s": {"kg": 1, "m": 2, "s": -1},
 }
 """Units of variables, and the powers of the SI's units that they are."""
-_CATEGORIES = {
-    "logStatusError": "calls that are refused, always logged",
-    "logEvents": "faults of the controller",
-}
 
 
 def model_description(
@@ -74,7 +70,11 @@ def model_description(
             ET.SubElement(files, "File", {"name": name})
     _units(root, variables)
     categories = ET.SubElement(root, "LogCategories")
-    for name, text in _CATEGORIES.items():
+    log_categories = {
+        "logStatusError": "calls that are refused, always logged",
+        "logEvents": "faults of the controller",
+    }
+    for name, text in log_categories.items():
         ET.SubElement(categories, "Category", {"name": name, "description": text})
     ET.SubElement(root, "DefaultExperiment", {"startTime": "0.0", "stepSize": period})
     if three:

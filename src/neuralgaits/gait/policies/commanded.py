@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 
 
 _NO_STEP = "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
-NEWTON_STEPS = 4
-"""Newton steps that put the swing foot on its foothold: from a few centimetres off, 1e-12 m."""
 
 
 class CommandedPolicy(NetworkPolicy):
@@ -164,7 +162,8 @@ class CommandedPolicy(NetworkPolicy):
         if bounded:
             outputs = on_foothold_exactly(robot, z1, outputs, foothold)
         else:
-            outputs = on_foothold(robot, z1, outputs, foothold, NEWTON_STEPS)
+            newton_steps = 4  # From a few centimetres off they lead to 1e-12 m.
+            outputs = on_foothold(robot, z1, outputs, foothold, newton_steps)
         return Guard(z1, outputs, basis @ self.guard_slopes)
 
     def at(

@@ -25,9 +25,11 @@ COLUMNS = (
     *(f"position_{i}" for i in range(1, 7)),
 )
 """Column names for messages; the names in a file differ."""
-MILLISECOND_S = 1e-3
-_STANCE, _PITCH, _ANGLES, _DPITCH, _RATES = 5, 6, 7, 11, 12
+_STANCE = 5
+_PITCH, _ANGLES = 6, 7
+_DPITCH, _RATES = 11, 12
 _DESIRED, _DESIRED_RATES, _TORQUES = 16, 20, 24
+"""First columns of each quantity."""
 _JOINTS = 4
 
 
@@ -68,7 +70,7 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
     # Pitch is the sum of the coordinates up to the stance hip.
     up = robot.link_angles[robot.torso, 1:]
     log = Log(
-        t=table[:, 0] * MILLISECOND_S,
+        t=table[:, 0] * 1e-3,  # From milliseconds.
         stance=leg,
         q=np.column_stack([pitch - angles @ up, angles]),
         dq=np.column_stack([dpitch - rates @ up, rates]),

@@ -30,7 +30,6 @@ PAGE = "the page 'Your own logs'"
 """Page of the documentation that describes both kinds of file."""
 PLAIN = {"time": TIME, "pitch": ANGLE, "pitch_rate": RATE}
 """Quantities without a table of their own."""
-_SETTINGS = ("column", "unit", "sign", "offset")
 
 
 @dataclass(frozen=True)
@@ -212,11 +211,12 @@ def _source(path: Path, key: str, entry: Any, dimension: Dimension) -> ColumnSou
     example = f'{{column = "NAME", unit = "{dimension.si}"}}'
     if not isinstance(entry, dict):
         raise InputError(f"{where}: expected {example}, found {entry!r}: name the column so")
+    settings = ("column", "unit", "sign", "offset")
     for word in entry:
-        if word not in _SETTINGS:
+        if word not in settings:
             raise InputError(
-                f"{where}: expected {', '.join(_SETTINGS)}, found {word!r}: "
-                f"{_perhaps(word, _SETTINGS)}"
+                f"{where}: expected {', '.join(settings)}, found {word!r}: "
+                f"{_perhaps(word, settings)}"
             )
     column, unit = entry.get("column"), entry.get("unit")
     sign, offset = entry.get("sign", 1), entry.get("offset", 0.0)

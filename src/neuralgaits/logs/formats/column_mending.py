@@ -23,13 +23,6 @@ from neuralgaits.logs.formats.sheet import Text
 from neuralgaits.logs.row_checks import check, check_times
 from neuralgaits.robots import PlanarBiped
 
-CLEARLY = 2.0
-"""Least ratio of that error under the second best change to that under the best."""
-ZEROS_RAD = np.linspace(-0.6, 0.6, 13)
-"""Changes of a zero that are tried, before the best one is refined [rad]."""
-MOST_ROWS = 1500
-"""Rows of a log that are looked at, but for the checks: a few steps."""
-
 
 class _Change(NamedTuple):
     """A change of one sign or zero."""
@@ -46,7 +39,8 @@ class ColumnMending:
     def __init__(self, text: Text, robot: PlanarBiped, policy: AbstractPolicy | None):
         """Keep the log, and the policy that walked, for outputs that the file lacks."""
         self._text, self._robot, self._policy = text, robot, policy
-        self._short = replace(text, cells=text.cells[:MOST_ROWS])
+        most_rows = 1500  # Rows of a log that are looked at, but for the checks: a few steps.
+        self._short = replace(text, cells=text.cells[:most_rows])
 
     def words(self, columns: ColumnFile) -> str | None:
         """Return the change in words; None if none fits clearly better than all others."""
@@ -58,7 +52,9 @@ class ColumnMending:
         changes = sorted(self._changes(columns), key=lambda change: change.error)
         largest = 0.05  # Error of the worst joint that follows a policy, in the median row [rad].
         good = [one for one in changes if one.error < largest and self._passes(one.columns)]
-        if not good or (len(good) > 1 and good[1].error < CLEARLY * good[0].error):
+        # Least ratio of that error under the second best change to that under the best.
+        clearly = 2.0
+        if not good or (len(good) > 1 and good[1].error < clearly * good[0].error):
             return None
         return good[0].words
 
@@ -78,10 +74,12 @@ class ColumnMending:
 
         def with_zero(shift: float) -> ColumnFile:
             offset = source.offset + shift / unit
-            return _with(columns, replace(source, offset=offset))
+            return _replaced(columns, replace(source, offset=offset))
 
-        tried = [self._error(with_zero(float(shift))) for shift in ZEROS_RAD]
-        best, step = float(ZEROS_RAD[np.argmin(tried)]), float(ZEROS_RAD[1] - ZEROS_RAD[0])
+        # Changes of a zero that are tried, before the best one is refined [rad].
+        zeros_rad = np.linspace(-0.6, 0.6, 13)
+        tried = [self._error(with_zero(float(shift))) for shift in zeros_rad]
+        best, step = float(zeros_rad[np.argmin(tried)]), float(zeros_rad[1] - zeros_rad[0])
         worth_refining = 0.2  # Error at a zero that is tried [rad].
         if min(tried) < worth_refining:
             optimum = minimize_scalar(
@@ -113,5 +111,5 @@ class ColumnMending:
         return bool((log.stance[1:] != log.stance[:-1]).any())
 
 
-def _with(columns: ColumnFile, *changed: ColumnSource) -> ColumnFile:
+def _replaced(columns: ColumnFile, *changed: ColumnSource) -> ColumnFile:
     return replace(columns, sources={**columns.sources, **{one.key: one for one in changed}})

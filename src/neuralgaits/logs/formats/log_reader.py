@@ -60,12 +60,12 @@ def read(
     path = Path(path)
     if columns is None:
         text = walk_of(path) if is_mcap(path) else text_of(path)
-        log, labels = _of_known_format(text, robot)
+        log, labels = _read_known(text, robot)
         return _cleaned(log, labels, check(log, robot, labels))
     file = columns if isinstance(columns, ColumnFile) else read_columns(columns, robot)
     text = table_of(path, file.columns) if is_mcap(path) else text_of(path)
     try:
-        return _of_own_columns(text, robot, file, policy)
+        return _read_own(text, robot, file, policy)
     except InputError as error:
         words = ColumnMending(text, robot, policy).words(file) if mend else None
         if words is None:
@@ -73,7 +73,7 @@ def read(
         raise InputError(f"{error}; {words}, all else as it is") from None
 
 
-def _of_own_columns(
+def _read_own(
     text: Text, robot: PlanarBiped, file: ColumnFile, policy: AbstractPolicy | None
 ) -> CleanedLog:
     log, labels = mapped_format.read(text, robot, file, policy)
@@ -101,7 +101,7 @@ def _cleaned(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> CleanedL
     return CleanedLog(log.only(good & ~spikes), left_out)
 
 
-def _of_known_format(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
+def _read_known(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
     if si_format.recognised(text):
         return si_format.read(text, robot)
     if amber3m_format.recognised(text):

@@ -31,10 +31,6 @@ from neuralgaits.logs.strides import GAP_PERIODS, GAP_S, SETTLING_S
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
-UNSETTLED_S = 0.5 * SETTLING_S
-"""Time after a touchdown in which rates change fast: those of later rows are not computed from it
-[s]."""
-
 
 def read(
     text: Text, robot: PlanarBiped, columns: ColumnFile, policy: AbstractPolicy | None
@@ -173,7 +169,10 @@ class _Turning:
         lands = np.diff(stance) != 0
         begins = np.maximum.accumulate(np.where(np.concatenate([[True], lands]), t, -np.inf))
         piece = np.concatenate([[0], np.cumsum(gap | lands)])
-        return cls(t, piece, t - begins >= UNSETTLED_S)
+        # Time after a touchdown in which rates change fast: those of later rows are not computed
+        # from it [s].
+        unsettled_s = 0.5 * SETTLING_S
+        return cls(t, piece, t - begins >= unsettled_s)
 
     def filled(
         self, measured: Float[np.ndarray, "k c"], angles: Float[np.ndarray, "k c"]

@@ -10,8 +10,6 @@ from neuralgaits.logs.formats.sheet import Text
 
 LOG_TIME = "log_time"
 """Column of the time at which a row's message was logged [ns]; it counts from the first row."""
-HELD_S = 0.05
-"""Longest time for which the last message of another topic counts [s]."""
 Row = Mapping[str, float | int]
 
 
@@ -19,7 +17,7 @@ def table_of(path: Path, columns: Sequence[str]) -> Text:
     """Return the table of some columns, named `TOPIC.FIELD`, or `log_time`.
 
     A row is a message of the topic that most columns are from. To it belong the last messages of
-    the other topics, unless one of them is older than `HELD_S` or there is none yet: then the row
+    the other topics, unless one of them is older than 0.05 s or there is none yet: then the row
     is left out, which counts as a gap. Where columns are missing, the table has the names of all
     that there are, and no rows.
 
@@ -59,12 +57,13 @@ def _rows(file: McapFile, main: str, topics: set[str]) -> Iterator[tuple[int, Ro
     """Yield the number of each message of a topic, and the numbers of all topics at that time."""
     last: dict[str, McapMessage] = {}
     number = 0
+    held_s = 0.05  # Longest time for which the last message of another topic counts [s].
     for message in file.messages(topics):
         last[message.topic] = message
         if message.topic != main:
             continue
         number += 1
-        oldest = message.log_time_ns - round(1e9 * HELD_S)
+        oldest = message.log_time_ns - round(1e9 * held_s)
         if topics <= last.keys() and all(one.log_time_ns >= oldest for one in last.values()):
             row: dict[str, float | int] = {LOG_TIME: Stamp(message.log_time_ns)}
             for topic, one in last.items():

@@ -20,8 +20,6 @@ from neuralgaits.logs.walk_table import Column, Log
 from neuralgaits.runs import write_bytes
 
 TOPIC, SCHEMA = "/walk", "neuralgaits.Walk"
-_GROUPS = ("q", "dq", "qd", "dqd", "tau")
-"""Groups of columns, whose names begin with that of the group."""
 
 
 def write(path: Path, log: Log) -> None:
@@ -72,7 +70,9 @@ def walk_of(path: Path) -> Text:
 def _place(name: str) -> tuple[str, str]:
     """Return the group of a column, empty without one, and its name there."""
     group, _, field = name.partition("_")
-    return (group, field) if group in _GROUPS else ("", name)
+    # Groups of columns, whose names begin with that of the group.
+    groups = ("q", "dq", "qd", "dqd", "tau")
+    return (group, field) if group in groups else ("", name)
 
 
 def _schema(heads: tuple[Column, ...]) -> dict[str, Any]:

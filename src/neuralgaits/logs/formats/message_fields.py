@@ -4,10 +4,6 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-_LONGEST = 256
-"""Longest list whose entries are columns: longer ones are pictures and scans."""
-_DEEPEST = 16
-
 
 class Stamp(int):
     """A time [ns]: columns of it count from the first row, which floats hold exactly."""
@@ -24,11 +20,13 @@ def fields_of(message: Any) -> dict[str, float | int]:
 
 
 def _numbers(value: Any, name: str, depth: int) -> Iterator[tuple[str, float | int]]:
+    longest = 256  # Longest list whose entries are columns: longer ones are pictures and scans.
+    deepest = 16
     if isinstance(value, bool):
         yield name, int(value)
     elif isinstance(value, int | float):
         yield name, value
-    elif depth < _DEEPEST:
+    elif depth < deepest:
         parts = _parts(value)
         yield from _together(parts, name)
         labels = _names(parts.get("name"))
@@ -36,7 +34,7 @@ def _numbers(value: Any, name: str, depth: int) -> Iterator[tuple[str, float | i
             whole = f"{name}.{key}"
             if isinstance(part, str | bytes) or _parts(part) or not hasattr(part, "__len__"):
                 yield from _numbers(part, whole, depth + 1)
-            elif len(part) <= _LONGEST:
+            elif len(part) <= longest:
                 keys = labels if len(labels) == len(part) else range(len(part))
                 for label, one in zip(keys, part, strict=True):
                     yield from _numbers(one, f"{whole}[{label}]", depth + 1)

@@ -19,8 +19,6 @@ from neuralgaits.logs.walk_table import Column, Log, columns
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import write_text
 
-SHOWN = 6
-"""Number of missing columns that a message names."""
 _HEADER = re.compile(r"^(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]$")
 
 
@@ -104,8 +102,9 @@ def missing(text: Text, robot: PlanarBiped) -> str:
 
 def _some(heads: list[str]) -> str:
     """List the first few of many column names."""
-    return ", ".join(heads[:SHOWN]) + (
-        f" and {len(heads) - SHOWN} more" if len(heads) > SHOWN else ""
+    shown = 6  # Number of missing columns that a message names.
+    return ", ".join(heads[:shown]) + (
+        f" and {len(heads) - shown} more" if len(heads) > shown else ""
     )
 
 

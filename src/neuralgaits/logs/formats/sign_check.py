@@ -21,20 +21,14 @@ from neuralgaits.logs.row_checks import check
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
-LANDING = 0.03
-"""Height of a foot that lands up to which there is none, in leg lengths: zeros, uneven floors."""
-CLEARLY = 3.0
-"""Least ratio of what is off to that with other signs, if those are to be believed."""
-MOST_ROWS = 6000
-"""Rows of a log that other signs are tried on."""
-
 
 class SignCheck:
     """The search for other signs with which a log fits the weight."""
 
     def __init__(self, text: Text, robot: PlanarBiped, policy: AbstractPolicy | None):
         """Keep the log, and the policy that walked, for outputs that the file lacks."""
-        self._text = replace(text, cells=text.cells[:MOST_ROWS])
+        most_rows = 6000  # Rows of a log that other signs are tried on.
+        self._text = replace(text, cells=text.cells[:most_rows])
         self._robot, self._policy = robot, policy
 
     def refuse(self, log: Log, columns: ColumnFile) -> None:
@@ -49,9 +43,11 @@ class SignCheck:
         doubt = self._doubt(log)
         if doubt is None or doubt.size <= 1.0:
             return
-        tried = [(self._with(columns.turned(*keys)), keys) for keys in self._choices()]
+        tried = [(self._doubt_with(columns.turned(*keys)), keys) for keys in self._choices()]
         best, keys = min(tried, key=lambda one: one[0].size)
-        if not (best.size <= 1.0 and CLEARLY * best.size < doubt.size):
+        # Least ratio of what is off to that with other signs, if those are to be believed.
+        clearly = 3.0
+        if not (best.size <= 1.0 and clearly * best.size < doubt.size):
             return
         sources = [columns.sources[key] for key in keys]
         names = " and ".join(dict.fromkeys(one.column for one in sources))
@@ -74,7 +70,7 @@ class SignCheck:
             if len(pair) == 2:
                 yield tuple(f"joints.{name}" for name in pair)
 
-    def _with(self, columns: ColumnFile) -> "_Doubt":
+    def _doubt_with(self, columns: ColumnFile) -> "_Doubt":
         """Return the doubt with these signs, without end for a log that cannot be read so."""
         nothing = _Doubt(np.inf, np.inf, np.inf)
         try:
@@ -89,7 +85,10 @@ class SignCheck:
         off, height = momentum_misfit(log, self._robot), landing_height(log, self._robot)
         if self._robot.feet is not None or height is None:
             return None
-        lands = LANDING * float(self._robot.leg_length)
+        # Height of a foot that lands up to which there is none, in leg lengths: zeros, uneven
+        # floors.
+        landing = 0.03
+        lands = landing * float(self._robot.leg_length)
         usual_share = 0.3  # Of the momentum's balance.
         return _Doubt(off, height, max((off or 0.0) / usual_share, height / lands))
 

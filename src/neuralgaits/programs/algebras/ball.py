@@ -74,9 +74,10 @@ class BallAlgebra(Algebra[BallModel]):
         batch = max(part.constant.shape[1] for part in operands)
         shapes = [(len(part.constant), batch) for part in operands]
         terms: dict[Key, Balls] = {}
+        zero = np.array([[arb(0)]], dtype=object)
         for key in dict.fromkeys(key for part in operands for key in part.terms):
             rows = [
-                np.broadcast_to(part.terms.get(key, _ZERO), shape)
+                np.broadcast_to(part.terms.get(key, zero), shape)
                 for part, shape in zip(operands, shapes, strict=True)
             ]
             terms[key] = np.concatenate(rows)[index]
@@ -201,7 +202,6 @@ _ARITHMETIC = {
     "neg": BallAlgebra.neg,
     "square": BallAlgebra.square,
 }
-_ZERO = np.array([[arb(0)]], dtype=object)
 _ball = functions.each(arb)
 _middle, _radius = functions.each(arb.mid), functions.each(arb.rad)
 

@@ -28,8 +28,10 @@ HALF_PI = tuple(
     map(float.fromhex, ("0x1.921fb54400000p+0", "0x1.0b4611a600000p-34", "0x1.3198a2e037073p-69"))
 )
 """pi / 2 as a sum, to within 2^-122; the first two have 33 bits each."""
-MOST_EXPONENT, MOST_ANGLE = 700.0, 2.0**20
-"""Largest magnitudes of the arguments of exp, and of sin and cos."""
+MOST_EXPONENT = 700.0
+"""Largest magnitude of an argument of exp."""
+MOST_ANGLE = 2.0**20
+"""Largest magnitude of an argument of sin and cos."""
 
 Values = np.ndarray
 """A double for each element on each box. [size, batch]."""
@@ -112,14 +114,14 @@ def exp(c: Values, r: Values) -> LocalExpansion:
 def sin(c: Values, r: Values) -> LocalExpansion:
     """Expand the sine (c in rad): |f'''| = |cos|, and that changes by r at most."""
     sine, cosine = sine_cosine(c)
-    third = _at_most(1.0, np.abs(cosine) + r)
+    third = _limited(1.0, np.abs(cosine) + r)
     return LocalExpansion((sine, cosine, -0.5 * sine), (ERROR, ERROR, ERROR), third / 6.0)
 
 
 def cos(c: Values, r: Values) -> LocalExpansion:
     """Expand the cosine (c in rad): |f'''| = |sin|, and that changes by r at most."""
     sine, cosine = sine_cosine(c)
-    third = _at_most(1.0, np.abs(sine) + r)
+    third = _limited(1.0, np.abs(sine) + r)
     return LocalExpansion((cosine, -sine, -0.5 * cosine), (ERROR, ERROR, ERROR), third / 6.0)
 
 
@@ -134,7 +136,7 @@ def tanh(c: Values, r: Values) -> LocalExpansion:
     grown = exponential(2.0 * np.clip(c, -20.0, 20.0))
     t = (grown - 1.0) / (grown + 1.0)
     slope = 1.0 - t * t
-    third = _at_most(2.0, np.abs(slope * (6.0 * t * t - 2.0)) + 4.09 * r)
+    third = _limited(2.0, np.abs(slope * (6.0 * t * t - 2.0)) + 4.09 * r)
     error = 4.0 * ERROR
     return LocalExpansion((t, slope, -t * slope), (ERROR, error, error), third / 6.0)
 
@@ -148,7 +150,7 @@ def logistic(c: Values, r: Values) -> LocalExpansion:
     """
     s = 1.0 / (1.0 + exponential(-np.clip(c, -40.0, 40.0)))
     slope = s * (1.0 - s)
-    third = _at_most(0.125, np.abs(slope * (1.0 - 6.0 * slope)) + 0.128 * r)
+    third = _limited(0.125, np.abs(slope * (1.0 - 6.0 * slope)) + 0.128 * r)
     error = 2.0 * ERROR
     return LocalExpansion(
         (s, slope, 0.5 * slope * (1.0 - 2.0 * s)), (ERROR, error, error), third / 6.0
@@ -186,6 +188,6 @@ POINT_FUNCTIONS: dict[str, Callable[[Values, Values], LocalExpansion]] = {
 """Functions by the kind of operation that they evaluate."""
 
 
-def _at_most(limit: float, size: Values) -> Values:
+def _limited(limit: float, size: Values) -> Values:
     """Return a bound of a derivative: no more than `limit`, nor than a size that is rounded."""
     return np.minimum(limit, size * (1.0 + 64.0 * UNIT) + 16.0 * ERROR)

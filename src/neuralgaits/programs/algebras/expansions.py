@@ -16,8 +16,6 @@ from neuralgaits._types import Float
 
 SLACK = 2.0**-44
 """Relative size of an error that rounding cannot reach: 512 units in the last place."""
-LEAST, MOST = 1e-50, 1e50
-"""Arguments of 1/x and sqrt x must lie between these: their fifth powers are then doubles."""
 
 TANH_SECOND, TANH_THIRD, TANH_FOURTH = 0.7699, 2.0, 4.1
 """Bounds on |tanh''| = 4 / (3 sqrt 3), |tanh'''| and |tanh''''| over the real line."""
@@ -117,7 +115,8 @@ EXPANSIONS = {
 
 def _within(nearest: Values, farthest: Values) -> Values:
     """Return the argument nearest to the singularity; NaN where either is out of range."""
-    inside = (nearest >= LEAST) & (farthest <= MOST)
+    # Between these, fifth powers are doubles.
+    inside = (nearest >= 1e-50) & (farthest <= 1e50)
     return np.where(inside, nearest, np.nan)
 
 

@@ -10,11 +10,22 @@ from neuralgaits.programs.c99.nodes import GATHERED, Node
 from neuralgaits.programs.c99.operation_layout import BLOCK, Group, OperationLayout
 from neuralgaits.programs.program import Program
 
-_INFIX = {"add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "div": "{0} / {1}"}
-_PREFIX = {"neg": "-{0}", "square": "{0} * {0}"}
-_CALLED = "sqrt", "sin", "cos", "tanh", "logistic", "exp", "log1p"
-_CALLS = {name: f"ng_{name}({{0}})" for name in _CALLED}
-_FORMS = _INFIX | _PREFIX | _CALLS
+_FORMS = {
+    "add": "{0} + {1}",
+    "sub": "{0} - {1}",
+    "mul": "{0} * {1}",
+    "div": "{0} / {1}",
+    "neg": "-{0}",
+    "square": "{0} * {0}",
+    "sqrt": "ng_sqrt({0})",
+    "sin": "ng_sin({0})",
+    "cos": "ng_cos({0})",
+    "tanh": "ng_tanh({0})",
+    "logistic": "ng_logistic({0})",
+    "exp": "ng_exp({0})",
+    "log1p": "ng_log1p({0})",
+}
+"""Text of an operation of one element, with places for its operands."""
 COLUMNS_AT_ONCE = 4
 """Columns of a matrix taken in one pass over a result, so that it is loaded and stored less."""
 
@@ -102,7 +113,7 @@ class Writer:
         return [
             f"for (int i = 0; i < {group[0].size}; ++i) {{",
             *self._elements(group, "i"),
-            *(f"    {self._at(node, 'i')} = t{node.number};" for node in stored),
+            *(f"    {self._element(node, 'i')} = t{node.number};" for node in stored),
             "}",
         ]
 
@@ -118,7 +129,7 @@ class Writer:
         if node.kind == "affine":
             return self._row(node, i)
         operands = [
-            f"t{operand.number}" if operand.number in here else self._at(operand, i)
+            f"t{operand.number}" if operand.number in here else self._element(operand, i)
             for operand in node.operands
         ]
         return _FORMS[node.kind].format(*operands)
@@ -127,9 +138,10 @@ class Writer:
         """Write one row of a matrix of few columns times a vector."""
         table = self._matrix(node)
         terms = [
-            f"{table}[{k}][{i}] * {self._at(node.operands[1], str(k))}" for k in range(node.inner)
+            f"{table}[{k}][{i}] * {self._element(node.operands[1], str(k))}"
+            for k in range(node.inner)
         ]
-        offset = [self._at(node.operands[2], i)] if len(node.operands) == 3 else []
+        offset = [self._element(node.operands[2], i)] if len(node.operands) == 3 else []
         return " + ".join([*offset, *terms])
 
     def _affine(self, group: Group) -> list[str]:
@@ -137,8 +149,8 @@ class Writer:
         nodes, rows, inner = group.nodes, group.nodes[0].size, group.nodes[0].inner
         lines = [f"for (int i = 0; i < {rows}; ++i) {{"]
         for node in nodes:
-            start = self._at(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"
-            lines.append(f"    {self._at(node, 'i')} = {start};")
+            start = self._element(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"
+            lines.append(f"    {self._element(node, 'i')} = {start};")
         lines.append("}")
         if not group.streamed:
             return [*lines, *self._columns(nodes, inner, "j")]
@@ -169,8 +181,10 @@ class Writer:
             right = node.operands[1]
             blocked = right.number in self._layout.blocks
             at = k if blocked or column is None else column
-            terms = [f"{name}[i] * {self._at(right, _sum(at, n))}" for n, name in enumerate(names)]
-            lines.append(f"        {self._at(node, 'i')} += {_paired(terms)};")
+            terms = [
+                f"{name}[i] * {self._element(right, _sum(at, n))}" for n, name in enumerate(names)
+            ]
+            lines.append(f"        {self._element(node, 'i')} += {_paired(terms)};")
         return [*lines, "    }", "}"]
 
     def _product(self, node: Node) -> list[str]:
@@ -178,8 +192,8 @@ class Writer:
         table, columns, inner = self._matrix(node), node.columns, node.inner
         rows = node.size // columns
         at = f"i * {columns} + k"
-        start = self._at(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"
-        term = f"{table}[j][i] * {self._at(node.operands[1], f'j * {columns} + k')}"
+        start = self._element(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"
+        term = f"{table}[j][i] * {self._element(node.operands[1], f'j * {columns} + k')}"
         return [
             f"for (int i = 0; i < {rows}; ++i) {{",
             f"    for (int k = 0; k < {columns}; ++k) {{",
@@ -187,7 +201,7 @@ class Writer:
             f"        for (int j = 0; j < {inner}; ++j) {{",
             f"            total += {term};",
             "        }",
-            f"        {self._at(node, at)} = total;",
+            f"        {self._element(node, at)} = total;",
             "    }",
             "}",
         ]
@@ -196,7 +210,7 @@ class Writer:
         """Write row sums or row-wise inner products."""
         width = node.operands[0].size // node.size
         at = "j" if node.size == 1 else f"i * {width} + j"
-        terms = " * ".join(self._at(operand, at) for operand in node.operands)
+        terms = " * ".join(self._element(operand, at) for operand in node.operands)
         lines = [f"for (int j = 0; j < {width}; ++j) {{", f"    t{node.number} += {terms};", "}"]
         if node.size == 1:
             return [f"ng_real t{node.number} = NG(0.0);", *lines]
@@ -204,27 +218,27 @@ class Writer:
             f"for (int i = 0; i < {node.size}; ++i) {{",
             f"    ng_real t{node.number} = NG(0.0);",
             *("    " + line for line in lines),
-            f"    {self._at(node, 'i')} = t{node.number};",
+            f"    {self._element(node, 'i')} = t{node.number};",
             "}",
         ]
 
     def _gather(self, node: Node) -> list[str]:
         """Write elements of several values, one by one."""
         return [
-            f"{self._at(node, str(i))} = {self._at(source, str(at))};"
+            f"{self._element(node, str(i))} = {self._element(source, str(at))};"
             for i, (source, at) in enumerate(node.sources())
         ]
 
     def _copy(self, name: str, node: Node) -> list[str]:
         if node.size == 1:
-            return [f"{name}_out[0] = {self._at(node, '0')};"]
+            return [f"{name}_out[0] = {self._element(node, '0')};"]
         return [
             f"for (int i = 0; i < {node.size}; ++i) {{",
-            f"    {name}_out[i] = {self._at(node, 'i')};",
+            f"    {name}_out[i] = {self._element(node, 'i')};",
             "}",
         ]
 
-    def _at(self, node: Node, i: str) -> str:
+    def _element(self, node: Node, i: str) -> str:
         """Write element i of a value; every element of a scalar is the same."""
         if node.kind == "constant":
             if node.size == 1:
@@ -236,8 +250,8 @@ class Writer:
         if node.kind == "move" and node.number not in self._layout.stored:
             source, start = node.slice() or (node.operands[0], None)
             if start is not None:
-                return self._at(source, _sum("0" if node.size == 1 else i, start))
-            return self._at(source, f"{self._tables.places(node.index)}[{i}]")
+                return self._element(source, _sum("0" if node.size == 1 else i, start))
+            return self._element(source, f"{self._tables.places(node.index)}[{i}]")
         if node.number in self._layout.blocks:
             return f"{self._block(node)}[{i}]"
         if node.size == 1 and node.number not in self._layout.stored:

@@ -82,17 +82,14 @@ def identifier(name: str) -> str:
     return re.sub(r"\W+", "_", name).strip("_")
 
 
-WIDTH = 96
-"""Width of a line of C (characters)."""
-
-
 def wrapped(text: str) -> str:
     """Break a long line at its commas."""
     if "\n" in text:
         return text
     lines, line = [], ""
+    width = 96  # Width of a line of C (characters).
     for part in text.split(", "):
-        if line and len(line) + 2 + len(part) > WIDTH:
+        if line and len(line) + 2 + len(part) > width:
             lines.append(f"{line},")
             line = "    " + part
         else:

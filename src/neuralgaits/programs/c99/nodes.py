@@ -8,8 +8,6 @@ import numpy as np
 LOOPED = frozenset("add sub mul div neg square sqrt sin cos tanh logistic exp log1p".split())
 """Operations of one element each: they share loops."""
 GATHERED = frozenset(("sum", "inner"))
-NARROW = 4
-"""Columns of a matrix up to which a row times a vector is written out, as one element each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +53,9 @@ class Node:
     @property
     def looped(self) -> bool:
         """Whether the operation is computed element by element, so that it can share a loop."""
-        narrow = self.kind == "affine" and self.columns == 1 and self.inner <= NARROW
+        # Up to so many columns a row times a vector is written out, as one element each.
+        most_columns = 4
+        narrow = self.kind == "affine" and self.columns == 1 and self.inner <= most_columns
         return self.kind in LOOPED or narrow
 
     def sources(self) -> Iterator[tuple["Node", int]]:

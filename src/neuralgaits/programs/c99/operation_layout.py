@@ -4,9 +4,10 @@ from dataclasses import dataclass, field
 
 from neuralgaits.programs.c99.nodes import GATHERED, LOOPED, Node
 
-BLOCK, WIDEST = 8, 64
-"""Elements of a hidden layer that are made at a time where nothing but a product needs them, and
-the widest layer made so: stack is saved by reading the next matrix in strips, which costs little
+BLOCK = 8
+"""Elements of a hidden layer that are made at a time where nothing but a product needs them."""
+WIDEST = 64
+"""Widest layer made so: stack is saved by reading the next matrix in strips, which costs little
 while its rows are short and half the speed at 256."""
 
 

@@ -14,10 +14,6 @@ from neuralgaits.programs.native.program_code import ProgramCode, encode
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.remainder_symbols import MOST_OFF_ZERO, MOST_SYMBOLS, count_of
 
-MOST_THREADS = 16
-ROOM = (0, 4, 8, MOST_SYMBOLS, MOST_OFF_ZERO)
-"""Numbers of symbols for which code is compiled: room for sixteen doubles the time of bounds."""
-
 
 class Bounder:
     """Bounds on the smallest element of some outputs over boxes of u, and a unit ball of xi."""
@@ -69,9 +65,11 @@ class Bounder:
 
 def _room_for(symbols: int) -> int:
     """Return the least number of symbols with which code is compiled and that these fit in."""
-    return next(room for room in ROOM if symbols <= room)
+    # Numbers of symbols for which code is compiled: room for sixteen doubles the time of bounds.
+    rooms = (0, 4, 8, MOST_SYMBOLS, MOST_OFF_ZERO)
+    return next(room for room in rooms if symbols <= room)
 
 
 def _cores() -> int:
-    """Return the number of cores that this process may use."""
-    return min(cores(), MOST_THREADS)
+    """Return the number of cores that this process may use, 16 at most."""
+    return min(cores(), 16)

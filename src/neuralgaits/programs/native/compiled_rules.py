@@ -16,12 +16,6 @@ from neuralgaits._cache import cache_folder
 from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
 from neuralgaits.programs.program import Program
 
-SOURCE, HEADER = "bounder.cpp", "symbol_choice.hpp"
-FLAGS = (
-    *("-std=c++17", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math"),
-    *("-fPIC", "-shared", "-pthread"),
-)
-COMPILERS = ("g++", "clang++", "c++")
 ENGINE = "NEURALGAITS_ENGINE"
 
 
@@ -32,15 +26,20 @@ def library(axes: int, symbols: int, ball: int = 0) -> ctypes.CDLL | None:
     A second input of `ball` elements is in the unit ball. None where they cannot be compiled or are
     not wanted.
     """
-    compiler = Compiler.first_of(COMPILERS)
+    compiler = Compiler.first_of(("g++", "clang++", "c++"))
     if compiler is None or os.environ.get(ENGINE) == "numpy":
         return None
     folder = resources.files("neuralgaits.programs.native")
+    source, header = "bounder.cpp", "symbol_choice.hpp"
+    flags = (
+        *("-std=c++17", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math"),
+        *("-fPIC", "-shared", "-pthread"),
+    )
     rules = SharedLibrary(
         "bounder",
-        {name: folder.joinpath(name).read_text(encoding="utf-8") for name in (SOURCE, HEADER)},
-        (SOURCE,),
-        (*FLAGS, f"-DNG_AXES={axes}", f"-DNG_SYMBOLS={symbols}", f"-DNG_BALL={ball}"),
+        {name: folder.joinpath(name).read_text(encoding="utf-8") for name in (source, header)},
+        (source,),
+        (*flags, f"-DNG_AXES={axes}", f"-DNG_SYMBOLS={symbols}", f"-DNG_BALL={ball}"),
         # Code for this processor need not run on another machine that has the same cache.
         depends_on=(platform.node(),),
     )

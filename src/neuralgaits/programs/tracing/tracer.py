@@ -37,10 +37,6 @@ EXACT = frozenset(
 """Primitives that round nothing: on constants without a name they are computed right away."""
 
 
-NARROW = frozenset(np.dtype(name) for name in ("float32", "float16", jax.numpy.bfloat16))
-"""Types of number that no proof can use."""
-
-
 def trace(
     function: Callable[..., Mapping[str, Any]],
     inputs: Mapping[str, Sequence[int]],
@@ -188,9 +184,11 @@ class _Tracer:
             jaxpr, consts, operands = inner
             return self._follow(jaxpr, [self._constant_value(c) for c in consts], operands, calls)
         # Not of a call: what it is given and does not use may be of any type.
+        # Types of number that no proof can use.
+        narrow = frozenset(np.dtype(name) for name in ("float32", "float16", jax.numpy.bfloat16))
         for variable in (*equation.invars, *equation.outvars):
             dtype = variable.aval.dtype
-            if dtype in NARROW:
+            if dtype in narrow:
                 text = refusals.CAST if name == "convert_element_type" else refusals.FLOAT32
                 raise self._refusal(calls, text, f"a {dtype} value ({name})")
         if name == "platform_index":

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.source import gait_files
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.remote import Remote

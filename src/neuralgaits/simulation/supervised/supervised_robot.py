@@ -14,7 +14,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.errors import InputError
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.standing import standing_postures
 from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting
 from neuralgaits.robots import PlanarBiped

@@ -12,7 +12,7 @@ from neuralgaits._compiler import Compiler, SharedLibrary
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.source import gait_files
 
 _DECIDED, _TARGET = 10, 5

@@ -24,37 +24,35 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 from neuralgaits.certificate.premises import Bounds, above, below, first_missing
 from neuralgaits.records.certified import Conclusion, TheoremConstant
 
-LEVEL = 5
-
 
 def conclude_disturbed(
-    full: FullOrderConstants, shape: DisturbedConstants, bounds: Bounds
+    full: FullOrderConstants, disturbed: DisturbedConstants, bounds: Bounds
 ) -> Conclusion:
     """Conclude that D is invariant under errors of the outputs' acceleration and held torques.
 
     Args:
         full: the set and its constants at level 4, which has to be proved.
-        shape: constants that level 5 adds.
+        disturbed: constants that level 5 adds.
         bounds: proved bounds, see `premises.proved_bounds`.
     """
-    known = tuple(constants(full, shape))
-    figures = {constant.name: constant.value for constant in known}
-    reasons = [obstacle(step) for step in inequalities(full, shape) if not step.holds]
-    if missing := first_missing(premises(full, shape), bounds):
+    rows = tuple(constant_rows(full, disturbed))
+    figures = {constant.name: constant.value for constant in rows}
+    reasons = [obstacle(step) for step in inequalities(full, disturbed) if not step.holds]
+    if missing := first_missing(premises(full, disturbed), bounds):
         reasons.append(missing)
-    if [b.name for b in shape.barriers] != [b.name for b in full.barriers]:
+    if [b.name for b in disturbed.barriers] != [b.name for b in full.barriers]:
         reasons.insert(0, "its barriers are not those of level 4")
     if reasons:
-        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, known)
-    return Conclusion(LEVEL, "proved", None, _words(full, shape), figures, known)
+        return Conclusion(5, "undecided", "; ".join(reasons), (), figures, rows)
+    return Conclusion(5, "proved", None, _words(full, disturbed), figures, rows)
 
 
-def constants(full: FullOrderConstants, shape: DisturbedConstants) -> list[TheoremConstant]:
+def constant_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
     """Return every constant that level 5 adds."""
-    always, loop = _always(full, shape), step_factor(full, decay(full, shape))
+    always, loop = _always(full, disturbed), step_factor(full, decay(full, disturbed))
     # Errors up to the push are borne where sqrt(V) is small, too.
-    kept = 2 * factor(full) * (always + rest(shape)) / decay(full, shape)
-    found = [
+    kept = 2 * factor(full) * (always + rest(disturbed)) / decay(full, disturbed)
+    rows = [
         TheoremConstant("push", below(always), "rad/s^2", "every e with |S e| up to this", "least"),
         TheoremConstant(
             "push of any joints", below(always / _size_of_norm(full)), "rad/s^2",
@@ -64,68 +62,75 @@ def constants(full: FullOrderConstants, shape: DisturbedConstants) -> list[Theor
             "b", above(factor(full)), "s", "V' <= -gamma V + 2 b sqrt(V) |S e|", "most",
         ),
     ]  # fmt: skip
-    if shape.scheduled:
+    if disturbed.scheduled:
         words = "V' <= -decay V + 2 b sqrt(V) (rest + |S e|) under the law"
-        found.append(TheoremConstant("decay", shape.decay, "1/s", words, "least"))
+        rows.append(TheoremConstant("decay", disturbed.decay, "1/s", words, "least"))
         words = "|S e| of the law's own torque, nothing off"
-        found.append(TheoremConstant("rest", above(rest(shape)), "rad/s^2", words, "most"))
-    if shape.hold != 0.0:
-        found += _of_holds(full, shape)
-    if shape.free_clock:
-        found += _of_kicks(full, shape)
+        rows.append(TheoremConstant("rest", above(rest(disturbed)), "rad/s^2", words, "most"))
+    if disturbed.hold != 0.0:
+        rows += _hold_rows(full, disturbed)
+    if disturbed.free_clock:
+        rows += _kick_rows(full, disturbed)
     words = "under such e sqrt(V) falls to this between impacts"
-    found.append(TheoremConstant("kept", above(kept), "rad", words, "most"))
+    rows.append(TheoremConstant("kept", above(kept), "rad", words, "most"))
     if loop < 1:
         end = (mismatch(full) + abs(arb(full.gain)) * kept) / (1 - loop)
         words = "under such e what sqrt(V+) falls to, step by step"
-        found.append(TheoremConstant("r_end", above(end), "rad", words, "most"))
-    for its in shape.barriers:
-        found.append(TheoremConstant(f"{its.name}: alpha", its.alpha, "1/s", "gain, disturbed"))
-        found.append(TheoremConstant(f"{its.name}: lost", its.lost, "h/s", "of dh/dt + alpha h"))
-    return found
+        rows.append(TheoremConstant("r_end", above(end), "rad", words, "most"))
+    for its in disturbed.barriers:
+        rows.append(TheoremConstant(f"{its.name}: alpha", its.alpha, "1/s", "gain, disturbed"))
+        rows.append(TheoremConstant(f"{its.name}: lost", its.lost, "h/s", "of dh/dt + alpha h"))
+    return rows
 
 
-def _of_holds(full: FullOrderConstants, shape: DisturbedConstants) -> list[TheoremConstant]:
-    still, slope = growth(full, shape)
+def _hold_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
+    still, slope = growth(full, disturbed)
     radius = arb(full.radius)
     return [
-        TheoremConstant("hold", shape.hold, "s", "torques may be held for this long", "least"),
+        TheoremConstant("hold", disturbed.hold, "s", "torques may be held for this long", "least"),
         TheoremConstant(
-            "error", shape.error, "rad/s^2", "|S e| up to this when they are set", "least",
+            "error", disturbed.error, "rad/s^2", "|S e| up to this when they are set", "least",
         ),
         TheoremConstant(
-            "peak", above(arb(shape.peak[0]) + arb(shape.peak[1]) * radius), "rad/s^2",
+            "peak", above(arb(disturbed.peak[0]) + arb(disturbed.peak[1]) * radius), "rad/s^2",
             "|S e| up to this leaves forces and torques", "most",
         ),
         TheoremConstant(
             "growth", above(still + slope * radius), "rad/s^3",
             "|S e| grows by no more while torques are held", "most",
         ),
-        TheoremConstant("jerk", abs(shape.jerk), "rad/s^3", "|S d3y| of held torques, nothing off"),
-        TheoremConstant("growth slope", abs(shape.growth_slope), "rad/s^3/rad", "of S de/dt in xi"),
-        TheoremConstant("jerk push", abs(shape.jerk_push), "1/s", "slope of S d3y in S e"),
+        TheoremConstant(
+            "jerk", abs(disturbed.jerk), "rad/s^3", "|S d3y| of held torques, nothing off",
+        ),
+        TheoremConstant(
+            "growth slope", abs(disturbed.growth_slope), "rad/s^3/rad", "of S de/dt in xi",
+        ),
+        TheoremConstant("jerk push", abs(disturbed.jerk_push), "1/s", "slope of S d3y in S e"),
     ]  # fmt: skip
 
 
-def _of_kicks(full: FullOrderConstants, shape: DisturbedConstants) -> list[TheoremConstant]:
+def _kick_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
     return [
         TheoremConstant(
-            "kick", above(first_kick(full, shape)), "rad/s^2",
+            "kick", above(first_kick(full, disturbed)), "rad/s^2",
             "|S e| right after an impact under the torque from before", "most",
         ),
         TheoremConstant(
-            "kick peak", shape.kick_peak, "rad/s^2", "|S e| until the next tick", "most",
+            "kick peak", disturbed.kick_peak, "rad/s^2", "|S e| until the next tick", "most",
         ),
         TheoremConstant(
-            "kicked", above(sqrt_v_after_kick(full, shape)), "rad", "sqrt(V) until then", "most",
+            "kicked", above(sqrt_v_after_kick(full, disturbed)), "rad",
+            "sqrt(V) until then", "most",
         ),
-        TheoremConstant("kick end", shape.kick_end, "phase", "phase until then", "most"),
+        TheoremConstant("kick end", disturbed.kick_end, "phase", "phase until then", "most"),
     ]  # fmt: skip
 
 
-def _always(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
+def _always(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Return the |S e| up to which any error is tolerated anywhere in the set."""
-    return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.least_radius) - rest(shape)
+    return (
+        arb(disturbed.push[0]) + arb(disturbed.push[1]) * arb(full.least_radius) - rest(disturbed)
+    )
 
 
 def _size_of_norm(full: FullOrderConstants) -> arb:
@@ -135,9 +140,9 @@ def _size_of_norm(full: FullOrderConstants) -> arb:
     return sum((arb(w) ** 2 for w in full.weights), arb(0)).sqrt()
 
 
-def _of_law(shape: DisturbedConstants) -> str:
+def _law_in_words(disturbed: DisturbedConstants) -> str:
     """Describe the torques whose error is e."""
-    if not shape.scheduled:
+    if not disturbed.scheduled:
         return "torques that give the outputs ddy = -w^2 y - 2 w dy + e"
     return (
         "torques that give the outputs e more of ddy than u = u0 - M (w^2 y + 2 w dy) does, the "
@@ -145,8 +150,8 @@ def _of_law(shape: DisturbedConstants) -> str:
     )
 
 
-def _about_touchdowns(shape: DisturbedConstants) -> str:
-    if not shape.free_clock:
+def _about_touchdowns(disturbed: DisturbedConstants) -> str:
+    if not disturbed.free_clock:
         return "one of them at each touchdown"
     return (
         "wherever touchdowns lie between them (each motor keeps its torque through a touchdown, "
@@ -154,28 +159,29 @@ def _about_touchdowns(shape: DisturbedConstants) -> str:
     )
 
 
-def _words(full: FullOrderConstants, shape: DisturbedConstants) -> tuple[str, ...]:
+def _words(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[str, ...]:
     size = short = "|e|"
-    own = " beyond that law" if shape.scheduled else ""
+    own = " beyond that law" if disturbed.scheduled else ""
     if full.weights:
         short = "|S e|"
         size = f"|S e|, S = {weighting(full.weights, joints_of(full.weights) or 0)!r},"
-    found = [
-        f"the same set D, whatever measurable e(t) with {size} <= {below(_always(full, shape))!r} "
-        f"rad/s^2 is added: under {_of_law(shape)}, every "
+    most = below(_always(full, disturbed))
+    sentences = [
+        f"the same set D, whatever measurable e(t) with {size} <= {most!r} "
+        f"rad/s^2 is added: under {_law_in_words(disturbed)}, every "
         "trajectory that starts in D stays in D between impacts, meets the ground once and "
         "transversally in each step, and is in D after the impact: it walks for ever"
     ]
-    if shape.hold != 0.0:
-        found.append(
+    if disturbed.hold != 0.0:
+        sentences.append(
             "the same set D, whatever ticks there are at most "
-            f"{shape.hold!r} s apart, {_about_touchdowns(shape)}: if torques are set at each "
-            f"tick with {short} <= {shape.error!r} rad/s^2{own} and held until the next, every "
-            "trajectory that starts in D at a tick stays in D, meets the ground once and "
+            f"{disturbed.hold!r} s apart, {_about_touchdowns(disturbed)}: if torques are set at "
+            f"each tick with {short} <= {disturbed.error!r} rad/s^2{own} and held until the next, "
+            "every trajectory that starts in D at a tick stays in D, meets the ground once and "
             "transversally in each step, and is in D after the impact: it walks for ever"
         )
     return (
-        *found,
+        *sentences,
         "all along, the barrier functions are not negative on the robot itself, the contact force "
         "and every impulse stay in the friction cone, and the torques that are applied stay within "
         "the robot's limits: none saturates",

@@ -32,20 +32,12 @@ from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
 from neuralgaits.gait.scheduled_gains import ScheduledGains
 
-HALVINGS = 20
-"""Halvings of the interval that holds the longest hold or the largest push."""
-BELOW = 1.0 - 1e-9
+SHARE_BELOW = 1.0 - 1e-9
 """Share of a limit that a number which must lie below it may reach."""
 DIGITS = 4
 """Significant digits of numbers that a statement gives exactly, for people to read."""
-SQUARES = 1.12
-"""|d(dh/dt)/d xi|^2 in the set, as a multiple of the largest value seen at eta = 0."""
 SPENT = 0.05
 """Share of dh/dt + alpha h that bounds may lose, and by which outputs may take more of forces."""
-WAVES = 1.2
-"""Largest error of fitted polynomials, as a multiple of the largest on a fine grid."""
-STILL = 1.03
-"""Jerk of the outputs at eta = 0, as a multiple of the largest value seen."""
 
 
 def find_disturbed(
@@ -85,32 +77,32 @@ def find_disturbed(
     # Any more that the floor bears.
     more = seen.most(held.push[1]) - held.push[0]
     extra = _largest(more, lambda extra: seen.stands(hold, _raised(held, extra)))
-    found = _raised(held, extra)
-    kick = seen.kicked(hold, found)
-    barriers = seen.barriers(hold, found, kick)
+    raised = _raised(held, extra)
+    kick = seen.kicked(hold, raised)
+    barriers = seen.barriers(hold, raised, kick)
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
-    shape = DisturbedConstants(
-        found.push, found.peak, hold, error if hold else 0.0, *seen.jerk, barriers
+    disturbed = DisturbedConstants(
+        raised.push, raised.peak, hold, error if hold else 0.0, *seen.jerk, barriers
     )
     if free_clock:
         assert seen.kick is not None
-        shape = replace(
-            shape,
+        disturbed = replace(
+            disturbed,
             **dict(zip(("kick", "kick_slope", "kick_push"), seen.kick, strict=True)),
             kick_peak=kick.peak,
             kick_end=seen.end_of_kick(hold),
         )
     if gains is not None:
-        shape = replace(_with_gains(shape, gains), decay=seen.gamma, rest=seen.rest)
-    broken = [obstacle(step) for step in inequalities(full, shape) if not step.holds]
-    return "; ".join(broken) if broken else shape
+        disturbed = replace(_with_gains(disturbed, gains), decay=seen.gamma, rest=seen.rest)
+    broken = [obstacle(step) for step in inequalities(full, disturbed) if not step.holds]
+    return "; ".join(broken) if broken else disturbed
 
 
-def _with_gains(shape: DisturbedConstants, gains: ScheduledGains) -> DisturbedConstants:
+def _with_gains(disturbed: DisturbedConstants, gains: ScheduledGains) -> DisturbedConstants:
     """Return the constants with the polynomials of a law."""
     return replace(
-        shape,
+        disturbed,
         torque_gains=tuple(np.ravel(gains.torque).tolist()),
         inertia_gains=tuple(np.ravel(gains.inertia).tolist()),
     )
@@ -129,7 +121,8 @@ def _largest(most: float, stands) -> float:
     if stands(most):
         return most
     low, high = 0.0, most
-    for _ in range(HALVINGS):
+    halvings = 20  # Halvings of the interval that holds the longest hold or the largest push.
+    for _ in range(halvings):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if stands(middle) else (low, middle)
     return low
@@ -168,7 +161,9 @@ class _Seen:
         self.factor = float(factor(full).upper())
         step = looks.step(u, np.zeros((len(u), looks.size)))
         self.rate, self.h = step["rate"], step["h"]
-        self.squares = SQUARES * (step["rate/slope"] ** 2).sum(axis=2)
+        # |d(dh/dt)/d xi|^2 in the set, as a multiple of the largest value seen at eta = 0.
+        room_of_squares = 1.12
+        self.squares = room_of_squares * (step["rate/slope"] ** 2).sum(axis=2)
         assert looks.pushed is not None
         off = looks.pushed(u)
         self.bound = full.least_radius + (full.radius - full.least_radius) * np.exp(
@@ -181,7 +176,9 @@ class _Seen:
             # Polynomials err by waves, which a coarse grid misses.
             fine = grid(np.linspace(*full.ends, 161), np.linspace(0.0, 1.0, 17))
             own = np.linalg.norm(looks.pushed(fine)["law"], axis=1).max()
-            self.rest = float(at_most(WAVES * REST * own, DIGITS))
+            # Largest error of fitted polynomials, as a multiple of the largest on a fine grid.
+            room_of_fits = 1.2
+            self.rest = float(at_most(room_of_fits * REST * own, DIGITS))
         for name in ("contact", "torque"):
             slopes = step[f"{name}/slope"] + off[f"{name}/push"] @ off["law/slope"]
             slopes = np.linalg.norm(slopes, axis=2)
@@ -192,8 +189,10 @@ class _Seen:
             return float(np.sqrt((values**2).reshape(len(u), -1).sum(axis=1).max()))
 
         tight = free_clock or bool(off["law/slope"].any())
+        # Jerk of the outputs at eta = 0, as a multiple of the largest value seen.
+        room_of_jerk = 1.03
         self.jerk = Jerk(
-            float(at_most(STILL * size(off["jerk"]), DIGITS)),
+            float(at_most(room_of_jerk * size(off["jerk"]), DIGITS)),
             float(at_most(growth_bound(off["jerk/slope"], full.bandwidth, tight=tight), DIGITS)),
             float(at_most(push_bound(off["jerk/push"], off["law/slope"]), DIGITS)),
         )
@@ -207,17 +206,17 @@ class _Seen:
         )
         # The proof takes the bound at the start's strip for the one at phase 0, which is more.
         reach = full.radius * full.radius / start
-        found = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma, self.rest)
-        if found is None:
+        pairs = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma, self.rest)
+        if pairs is None:
             return None
-        above = (1.0 + 1e-9) * full.radius / start / BELOW
-        push, peak = (tuple(above * x for x in pair) for pair in found)
+        above = (1.0 + 1e-9) * full.radius / start / SHARE_BELOW
+        push, peak = (tuple(above * x for x in pair) for pair in pairs)
         return Held((push[0], push[1]), (peak[0], peak[1]))
 
     def most(self, slope: float) -> float:
         """Return the largest push that the floor allows beside one that grows with V."""
         left = self.gamma - 2.0 * self.factor * slope
-        return BELOW * left * self.full.least_radius / (2.0 * self.factor)
+        return SHARE_BELOW * left * self.full.least_radius / (2.0 * self.factor)
 
     def end_of_kick(self, hold: float) -> float:
         """Return a phase that is not reached from an impact to the next tick."""
@@ -232,9 +231,9 @@ class _Seen:
         exact, slope, push = self.kick
         first = exact + slope * full.guard_radius
         first += push * (held.peak[0] + held.peak[1] * full.guard_radius)
-        found = self.jerk.kicked(1.000001 * first, hold, full.bandwidth, full.radius)
-        peak = float(at_most(found.peak, DIGITS))
-        return Kick(found.first, peak, 0.5 * (found.first + peak) + self.rest)
+        errors = self.jerk.kicked(1.000001 * first, hold, full.bandwidth, full.radius)
+        peak = float(at_most(errors.peak, DIGITS))
+        return Kick(errors.first, peak, 0.5 * (errors.first + peak) + self.rest)
 
     def _bears(self, hold: float, kick: Kick) -> bool:
         """Return whether the set holds what an impact adds until the next tick."""
@@ -254,7 +253,7 @@ class _Seen:
         if held is None or held.push[0] > self.most(held.push[1]):
             return False
         shrinks = 4.0 * full.shrink * full.ends[1] * full.pace[1]
-        if shrinks > BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):
+        if shrinks > SHARE_BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):
             return False
         kick = self.kicked(hold, held)
         if self.kick is not None and not self._bears(hold, kick):
@@ -268,8 +267,8 @@ class _Seen:
             return None
         most = held.push[0] + held.push[1] * self.full.radius
         most = max(most, 0.5 * self.gamma * hold * kick.mean)
-        found = tuple(self._barrier(k, most) for k in range(len(self.full.barriers)))
-        return None if None in found else found  # pyright: ignore[reportReturnType]
+        rows = tuple(self._barrier(k, most) for k in range(len(self.full.barriers)))
+        return None if None in rows else rows  # pyright: ignore[reportReturnType]
 
     def _barrier(self, k: int, push: float) -> DisturbedBarrier | None:
         of, best = self.full.barriers[k], (0.0, None)

@@ -38,27 +38,27 @@ FORCES = ("contact", "torque")
 def margins(
     model: FullOrderModel,
     full: FullOrderConstants,
-    shape: DisturbedConstants,
+    disturbed: DisturbedConstants,
     u: Float[Array, "2"],
     xi: Outputs,
 ) -> Quantities:
     """Return all margins of the theorem at one chart point and one xi of the unit ball."""
     its = TheoremArrays.of(full, model.names)
     model = its.model(model)
-    parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
+    parts = {name: jnp.asarray(np.array(values)) for name, values in series(disturbed).items()}
     rows = parts["barriers"].reshape(-1, len(BARRIER_CONSTANTS))
     bound, guard = its.bound(u[0]), its.set["guard_radius"] * xi
     xi = bound * xi
-    errors = LawErrors(model, _law(model, shape, parts), u)
-    found = _forces(errors, xi, parts["peak"][0] + parts["peak"][1] * bound)
-    if shape.scheduled:
-        found |= _decay(errors, xi, parts["law"])
-    if shape.hold != 0.0:
-        found |= _growth(errors, xi, parts["jerk"])
-    if shape.free_clock:
+    errors = LawErrors(model, _law(model, disturbed, parts), u)
+    margins = _forces(errors, xi, parts["peak"][0] + parts["peak"][1] * bound)
+    if disturbed.scheduled:
+        margins |= _decay(errors, xi, parts["law"])
+    if disturbed.hold != 0.0:
+        margins |= _growth(errors, xi, parts["jerk"])
+    if disturbed.free_clock:
         kicked = _forces(errors, xi, parts["kick"][3])
-        found["disturbed/kick-contact"] = kicked["disturbed/contact"]
-        found |= _kicks(errors, guard, parts["kick"])
+        margins["disturbed/kick-contact"] = kicked["disturbed/contact"]
+        margins |= _kicks(errors, guard, parts["kick"])
     centre = model.point(u, jnp.zeros_like(xi))
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
@@ -66,8 +66,8 @@ def margins(
         alpha, weight, lost = rows[k]
         # dh/dt + alpha h - p |d(dh/dt)/d xi|^2 - q >= 0.
         spent = weight * (coupling[k] @ coupling[k]) + lost
-        found[f"disturbed/decrease {name}"] = rate[k] + alpha * h[k] - spent
-    return found
+        margins[f"disturbed/decrease {name}"] = rate[k] + alpha * h[k] - spent
+    return margins
 
 
 class LawErrors(NamedTuple):
@@ -90,12 +90,12 @@ class LawErrors(NamedTuple):
     def forces(self, xi: Outputs) -> Quantities:
         """Return the slacks of contact and torques under the law's own torque."""
         point = self.model.point(self.u, xi, self.of_law(xi))
-        found = self.model.in_step(point)
+        slacks = self.model.in_step(point)
         if isinstance(self.law, ScheduledLaw):
             # The torque is a polynomial: from the accelerations it would have wide bounds.
             share = self.law.torque(point, self.u) / self.model.robot.torque_limit
-            found["torque"] = jnp.concatenate([1.0 - share, 1.0 + share])
-        return {name: found[name] for name in FORCES}
+            slacks["torque"] = jnp.concatenate([1.0 - share, 1.0 + share])
+        return {name: slacks[name] for name in FORCES}
 
     def growth(self, xi: Outputs, e: Vector) -> Vector:
         """Return S de/dt while torques are held, S e given [rad/s^3]. [m]."""
@@ -114,10 +114,10 @@ class LawErrors(NamedTuple):
 
 
 def _law(
-    model: FullOrderModel, shape: DisturbedConstants, parts: Mapping[str, Vector]
+    model: FullOrderModel, disturbed: DisturbedConstants, parts: Mapping[str, Vector]
 ) -> OutputLaw:
     """Return the control law that the theorem is about."""
-    if not shape.scheduled:
+    if not disturbed.scheduled:
         return ExactLinearisation()
     m = model.size // 2
     sizes = {name: tuple(n + 1 for n in degrees) for name, degrees in DEGREES.items()}
@@ -130,14 +130,14 @@ def _forces(its: LawErrors, xi: Outputs, peak: Scalar) -> Quantities:
     """Return the slacks of forces under the law less the most that e may take of them."""
 
     def slacks(e: Vector) -> Quantities:
-        found = its.model.in_step(its.model.point(its.u, xi, e))
-        return {name: found[name] for name in FORCES}
+        values = its.model.in_step(its.model.point(its.u, xi, e))
+        return {name: values[name] for name in FORCES}
 
     # Forces are affine in what is added to ddy, so the slopes are those at any.
-    found, slopes = its.forces(xi), jax.jacfwd(slacks)(its.none)
+    values, slopes = its.forces(xi), jax.jacfwd(slacks)(its.none)
     # v - P |dv/d(S e)| > 0 for each slack v.
     return {
-        f"disturbed/{name}": found[name]
+        f"disturbed/{name}": values[name]
         - peak * jnp.sqrt(jnp.sum(slopes[name] * slopes[name], axis=1))
         for name in FORCES
     }

@@ -22,17 +22,17 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 )
 
 
-def inequalities(full: FullOrderConstants, shape: DisturbedConstants) -> list[Inequality]:
+def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Inequality]:
     """Return every inequality that the constants must satisfy."""
-    zero, gamma, push = arb(0), decay(full, shape), arb(shape.push[0])
-    left = _slower(full, shape)
-    found = [] if not shape.scheduled else [Inequality("0 < decay", zero, gamma)]
+    zero, gamma, push = arb(0), decay(full, disturbed), arb(disturbed.push[0])
+    left = _slower(full, disturbed)
+    rows = [] if not disturbed.scheduled else [Inequality("0 < decay", zero, gamma)]
     # Inequality 1 of docs/level5.md.
-    found += [
-        Inequality("0 < push", rest(shape), push),
-        _not_above("0 <= its slope", 0.0, shape.push[1]),
-        _not_above("push <= peak", shape.push[0], shape.peak[0]),
-        _not_above("slope of push <= slope of peak", shape.push[1], shape.peak[1]),
+    rows += [
+        Inequality("0 < push", rest(disturbed), push),
+        _not_above("0 <= its slope", 0.0, disturbed.push[1]),
+        _not_above("push <= peak", disturbed.push[0], disturbed.peak[0]),
+        _not_above("slope of push <= slope of peak", disturbed.push[1], disturbed.peak[1]),
         Inequality(
             "V decays faster than its bound shrinks, pushed: 4 shrink (1 + guard_strip) most pace "
             "< gamma - 2 b slope of push",
@@ -45,22 +45,24 @@ def inequalities(full: FullOrderConstants, shape: DisturbedConstants) -> list[In
             left * arb(full.least_radius),
         ),
     ]
-    for its, of in zip(shape.barriers, full.barriers, strict=False):
-        found += _of_barrier(full, shape, its.name, its.alpha, its.weight, its.lost, of)
-    if shape.free_clock:
-        found += _of_kick(full, shape)
-    return found + (_of_hold(full, shape, gamma) if shape.hold != 0.0 else [])
+    for its, of in zip(disturbed.barriers, full.barriers, strict=False):
+        rows += _barrier_inequalities(
+            full, disturbed, its.name, its.alpha, its.weight, its.lost, of
+        )
+    if disturbed.free_clock:
+        rows += _kick_inequalities(full, disturbed)
+    return rows + (_hold_inequalities(full, disturbed, gamma) if disturbed.hold != 0.0 else [])
 
 
-def _of_kick(full: FullOrderConstants, shape: DisturbedConstants) -> list[Inequality]:
+def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Inequality]:
     """Return inequalities by which D holds what an impact adds until the next tick."""
-    hold, end, peak = arb(shape.hold), arb(shape.kick_end), arb(shape.kick_peak)
-    rate = error_rate(full, shape)
-    most = abs(arb(shape.jerk)) + abs(arb(shape.growth_slope)) * arb(full.radius)
+    hold, end, peak = arb(disturbed.hold), arb(disturbed.kick_end), arb(disturbed.kick_peak)
+    rate = error_rate(full, disturbed)
+    most = abs(arb(disturbed.jerk)) + abs(arb(disturbed.growth_slope)) * arb(full.radius)
     grown = (rate * hold).exp()
-    kicked = sqrt_v_after_kick(full, shape)
+    kicked = sqrt_v_after_kick(full, disturbed)
     # Inequality 4 of docs/level5.md.
-    found = [
+    rows = [
         Inequality("free clock: 0 < hold", arb(0), hold),
         Inequality(
             "free clock: start_strip + most pace hold < kick_end",
@@ -70,7 +72,7 @@ def _of_kick(full: FullOrderConstants, shape: DisturbedConstants) -> list[Inequa
         Inequality("free clock: kick_end < 1 - guard_strip", end, arb(full.guard_from)),
         Inequality(
             "free clock: errors from an impact to the next tick < kick_peak",
-            first_kick(full, shape) * grown + most * (grown - 1) / rate,
+            first_kick(full, disturbed) * grown + most * (grown - 1) / rate,
             peak,
         ),
         Inequality(
@@ -80,91 +82,93 @@ def _of_kick(full: FullOrderConstants, shape: DisturbedConstants) -> list[Inequa
         ),
     ]
     for barrier in full.barriers:
-        found.append(
+        rows.append(
             Inequality(
                 f"{barrier.name}: free clock: sigma (sqrt(V+) + b hold mean kick)^2 < h(z+) - t",
                 arb(barrier.sigma) * kicked**2,
                 inlet(full, barrier),
             )
         )
-    return found
+    return rows
 
 
-def sqrt_v_after_kick(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
+def sqrt_v_after_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Bound sqrt(V) from an impact to the next tick, under the torque from before it [rad]."""
-    return after_impact(full) + factor(full) * arb(shape.hold) * mean_kick(full, shape)
+    return after_impact(full) + factor(full) * arb(disturbed.hold) * mean_kick(full, disturbed)
 
 
-def first_kick(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
+def first_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Bound |S e| right after an impact under the torque from before it: J_0 [rad/s^2]."""
     radius = arb(full.guard_radius)
-    before = arb(shape.peak[0]) + arb(shape.peak[1]) * radius
-    exact = abs(arb(shape.kick)) + abs(arb(shape.kick_slope)) * radius
-    return exact + abs(arb(shape.kick_push)) * before
+    before = arb(disturbed.peak[0]) + arb(disturbed.peak[1]) * radius
+    exact = abs(arb(disturbed.kick)) + abs(arb(disturbed.kick_slope)) * radius
+    return exact + abs(arb(disturbed.kick_push)) * before
 
 
-def mean_kick(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
+def mean_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Bound the mean of |S e| from an impact to the next tick; its bound is convex in time.
 
     With the error of the law's own torque at eta = 0.
     """
-    return (first_kick(full, shape) + arb(shape.kick_peak)) / 2 + rest(shape)
+    return (first_kick(full, disturbed) + arb(disturbed.kick_peak)) / 2 + rest(disturbed)
 
 
-def error_rate(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
+def error_rate(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Return the rate at which |S e| feeds itself under held torques: 2 w + kappa [1/s]."""
-    return 2 * arb(full.bandwidth) + abs(arb(shape.jerk_push))
+    return 2 * arb(full.bandwidth) + abs(arb(disturbed.jerk_push))
 
 
-def _of_hold(full: FullOrderConstants, shape: DisturbedConstants, gamma: arb) -> list[Inequality]:
+def _hold_inequalities(
+    full: FullOrderConstants, disturbed: DisturbedConstants, gamma: arb
+) -> list[Inequality]:
     """Return inequalities by which a hold's error stays under peak and, in the mean, under push."""
-    zero, hold, error = arb(0), arb(shape.hold), arb(shape.error)
+    zero, hold, error = arb(0), arb(disturbed.hold), arb(disturbed.error)
     mean = hold / 2 * (1 + gamma * hold / 8)
-    still, slope = growth(full, shape)
+    still, slope = growth(full, disturbed)
     # Inequality 3 of docs/level5.md; `mean` is its tau.
     return [
         Inequality("0 < hold", zero, hold),
-        _not_above("0 <= error", 0.0, shape.error),
-        Inequality("error + hold growth < peak", error + hold * still, arb(shape.peak[0])),
-        Inequality("hold slope of growth < slope of peak", hold * slope, arb(shape.peak[1])),
+        _not_above("0 <= error", 0.0, disturbed.error),
+        Inequality("error + hold growth < peak", error + hold * still, arb(disturbed.peak[0])),
+        Inequality("hold slope of growth < slope of peak", hold * slope, arb(disturbed.peak[1])),
         Inequality(
             "error + hold/2 (1 + gamma hold/8) growth < push",
-            rest(shape) + error + mean * still,
-            arb(shape.push[0]),
+            rest(disturbed) + error + mean * still,
+            arb(disturbed.push[0]),
         ),
         Inequality(
             "hold/2 (1 + gamma hold/8) slope of growth < slope of push",
             mean * slope,
-            arb(shape.push[1]),
+            arb(disturbed.push[1]),
         ),
     ]
 
 
-def growth(full: FullOrderConstants, shape: DisturbedConstants) -> tuple[arb, arb]:
+def growth(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[arb, arb]:
     """Return (first, second): under held torques |S e| grows by at most first + second R.
 
     R is the bound on sqrt(V) [rad/s^3, rad/s^3 per rad].
     """
-    peak = arb(shape.peak[0]) + arb(shape.peak[1]) * arb(full.radius)
-    still = abs(arb(shape.jerk)) + error_rate(full, shape) * peak
+    peak = arb(disturbed.peak[0]) + arb(disturbed.peak[1]) * arb(full.radius)
+    still = abs(arb(disturbed.jerk)) + error_rate(full, disturbed) * peak
     # The bound on V was larger when the hold began, or at phase 0 if the phase is below.
-    earlier = (decay(full, shape) * arb(shape.hold) / 2).exp() * arb(full.radius)
+    earlier = (decay(full, disturbed) * arb(disturbed.hold) / 2).exp() * arb(full.radius)
     earlier /= bound_at(full, arb(full.start_strip))
-    return still, earlier * abs(arb(shape.growth_slope))
+    return still, earlier * abs(arb(disturbed.growth_slope))
 
 
-def most_push(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
+def most_push(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Bound what |S e| does to sqrt(V) in the mean over a hold, anywhere in the set."""
-    most = arb(shape.push[0]) + arb(shape.push[1]) * arb(full.radius)
-    if not shape.free_clock:
+    most = arb(disturbed.push[0]) + arb(disturbed.push[1]) * arb(full.radius)
+    if not disturbed.free_clock:
         return most
     # From an impact to the next tick sqrt(V) may be below its bound by b hold (mean kick).
-    return most.max(decay(full, shape) * arb(shape.hold) * mean_kick(full, shape) / 2)
+    return most.max(decay(full, disturbed) * arb(disturbed.hold) * mean_kick(full, disturbed) / 2)
 
 
-def _slower(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
+def _slower(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Return gamma less the part that pushes growing with V take: gamma' of inequality 1 [1/s]."""
-    return decay(full, shape) - 2 * factor(full) * arb(shape.push[1])
+    return decay(full, disturbed) - 2 * factor(full) * arb(disturbed.push[1])
 
 
 def _not_above(claim: str, left: float, right: float) -> Inequality:
@@ -174,9 +178,9 @@ def _not_above(claim: str, left: float, right: float) -> Inequality:
     return Inequality(claim, arb(left), arb(right))
 
 
-def _of_barrier(
+def _barrier_inequalities(
     full: FullOrderConstants,
-    shape: DisturbedConstants,
+    disturbed: DisturbedConstants,
     name: str,
     alpha: float,
     weight: float,
@@ -189,7 +193,7 @@ def _of_barrier(
     0.
     """
     # Inequality 2 of docs/level5.md; `spare` is its r_i.
-    zero, gamma, gain = arb(0), decay(full, shape), arb(alpha)
+    zero, gamma, gain = arb(0), decay(full, disturbed), arb(alpha)
     first = [
         Inequality(f"{name}: 0 < alpha", zero, gain),
         Inequality(f"{name}: alpha < gamma", gain, gamma),
@@ -202,7 +206,7 @@ def _of_barrier(
     split = Inequality(f"{name}: 1 < 4 sigma (gamma - alpha) weight", zero, spare)
     if not split.holds:
         return [*first, split]
-    moved = 2 * arb(of.sigma) * factor(full) * most_push(full, shape)
+    moved = 2 * arb(of.sigma) * factor(full) * most_push(full, disturbed)
     needed = gain * tightening(of) + (1 + 1 / spare) * moved**2 / rest
     claim = f"{name}: alpha t and what the push takes < lost"
     return [*first, split, Inequality(claim, needed, arb(lost))]
@@ -214,14 +218,14 @@ def factor(full: FullOrderConstants) -> arb:
     return (1 + stiff**2).sqrt() / arb(full.bandwidth)
 
 
-def rest(shape: DisturbedConstants) -> arb:
+def rest(disturbed: DisturbedConstants) -> arb:
     """Bound |S e| of the law's own torque at eta = 0 [rad/s^2]."""
-    return abs(arb(shape.rest)) if shape.scheduled else arb(0)
+    return abs(arb(disturbed.rest)) if disturbed.scheduled else arb(0)
 
 
-def decay(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
+def decay(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Return gamma, the rate at which V falls at least without errors [1/s]."""
-    if shape.scheduled:
-        return arb(shape.decay)
+    if disturbed.scheduled:
+        return arb(disturbed.decay)
     rate = lyapunov_rate(full.bandwidth)
     return arb(fmpq(rate.numerator, rate.denominator))

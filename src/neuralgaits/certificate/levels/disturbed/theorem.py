@@ -96,53 +96,63 @@ class DisturbedConstants:
         return self.kick_end != 0.0
 
 
-def series(shape: DisturbedConstants) -> dict[str, tuple[float, ...]]:
+def series(disturbed: DisturbedConstants) -> dict[str, tuple[float, ...]]:
     """Return the lists of numbers that margins read, named like the Program's constants."""
-    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in BARRIER_CONSTANTS)
-    found = {"peak": shape.peak, "barriers": rows}
-    if shape.hold != 0.0:
-        found["jerk"] = shape.jerk, shape.growth_slope, shape.jerk_push
-    if shape.scheduled:
-        found["law"] = shape.decay, shape.rest
-        found["torque_gains"], found["inertia_gains"] = shape.torque_gains, shape.inertia_gains
-    if shape.free_clock:
-        found["kick"] = shape.kick, shape.kick_slope, shape.kick_push, shape.kick_peak
-    return found
+    rows = tuple(
+        getattr(barrier, name) for barrier in disturbed.barriers for name in BARRIER_CONSTANTS
+    )
+    lists = {"peak": disturbed.peak, "barriers": rows}
+    if disturbed.hold != 0.0:
+        lists["jerk"] = disturbed.jerk, disturbed.growth_slope, disturbed.jerk_push
+    if disturbed.scheduled:
+        lists["law"] = disturbed.decay, disturbed.rest
+        lists["torque_gains"], lists["inertia_gains"] = (
+            disturbed.torque_gains,
+            disturbed.inertia_gains,
+        )
+    if disturbed.free_clock:
+        lists["kick"] = (
+            disturbed.kick,
+            disturbed.kick_slope,
+            disturbed.kick_push,
+            disturbed.kick_peak,
+        )
+    return lists
 
 
-def premises(full: FullOrderConstants, shape: DisturbedConstants) -> list[Premise]:
+def premises(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Premise]:
     """Return the premises of level 5 beside level 4."""
     first, last = full.ends
     tube, strip = ((first, 0.0), (last, 1.0)), ((full.guard_from, 0.0), (last, 1.0))
-    found = [Premise("disturbed/contact", *tube), Premise("disturbed/torque", *tube)]
-    found += [
+    required = [Premise("disturbed/contact", *tube), Premise("disturbed/torque", *tube)]
+    required += [
         Premise(f"disturbed/decrease {barrier.name}", *tube, sign="not negative")
-        for barrier in shape.barriers
+        for barrier in disturbed.barriers
     ]
-    if shape.scheduled:
-        found += [
+    if disturbed.scheduled:
+        required += [
             Premise("disturbed/decay", *tube),
             Premise("disturbed/rest", *tube, sign="not negative"),
         ]
-    if shape.hold != 0.0:
-        found += [
+    if disturbed.hold != 0.0:
+        required += [
             Premise("disturbed/jerk", *tube, sign="not negative"),
             Premise("disturbed/growth-slope", *tube),
             Premise("disturbed/jerk-push", *tube, sign="not negative"),
         ]
-    if shape.free_clock:
-        found += [
+    if disturbed.free_clock:
+        required += [
             Premise("disturbed/kick", *strip, sign="not negative"),
             Premise("disturbed/kick-slope", *strip, sign="not negative"),
             Premise("disturbed/kick-push", *strip, sign="not negative"),
-            Premise("disturbed/kick-contact", (first, 0.0), (shape.kick_end, 1.0)),
+            Premise("disturbed/kick-contact", (first, 0.0), (disturbed.kick_end, 1.0)),
         ]
-    return found
+    return required
 
 
 def labelled_premises(
-    full: FullOrderConstants, shape: DisturbedConstants
+    full: FullOrderConstants, disturbed: DisturbedConstants
 ) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises."""
-    for output, low, high, _ in premises(full, shape):
+    for output, low, high, _ in premises(full, disturbed):
         yield REGION, output, low, high

@@ -10,35 +10,33 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     decays,
     premises,
 )
-from neuralgaits.certificate.levels.full_order.words import constants, in_words
+from neuralgaits.certificate.levels.full_order.words import constant_rows, in_words
 from neuralgaits.certificate.premises import Bounds, missing_premises
 from neuralgaits.records.certified import Conclusion
 
-LEVEL = 4
 
-
-def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion:
+def conclude_full_order(constants: FullOrderConstants, bounds: Bounds) -> Conclusion:
     """Conclude that D is forward invariant, between impacts and across them.
 
     Args:
-        shape: the set and its constants.
+        constants: the set and its constants.
         bounds: proved bounds, see `premises.proved_bounds`.
     """
-    constants_of_proof = tuple(constants(shape, bounds))
-    figures = {constant.name: constant.value for constant in constants_of_proof}
-    broken = [step for step in inequalities(shape) if not step.holds]
-    missing = list(missing_premises(premises(shape), bounds))
+    rows = tuple(constant_rows(constants, bounds))
+    figures = {constant.name: constant.value for constant in rows}
+    broken = [step for step in inequalities(constants) if not step.holds]
+    missing = list(missing_premises(premises(constants), bounds))
     shown = 4  # Unproved premises that are named.
     if len(missing) > shown:
         missing[shown:] = [f"and {len(missing) - shown} more premises"]
     reasons = [obstacle(step) for step in broken] + missing
-    names = [barrier.name for barrier in shape.barriers]
+    names = [barrier.name for barrier in constants.barriers]
     if names[:2] != list(FENCES) or len(set(names)) < len(names):
         reasons.insert(0, f"barriers {names}: two fences, then barriers of other names, are needed")
-    if not decays(shape.bandwidth):
+    if not decays(constants.bandwidth):
         reasons.insert(0, "A^T P + P A <= -gamma P does not hold")
-    if not is_norm(shape):
+    if not is_norm(constants):
         reasons.insert(0, "weights that are no upper triangle without zeros on its diagonal")
     if reasons:
-        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, constants_of_proof)
-    return Conclusion(LEVEL, "proved", None, in_words(shape), figures, constants_of_proof)
+        return Conclusion(4, "undecided", "; ".join(reasons), (), figures, rows)
+    return Conclusion(4, "proved", None, in_words(constants), figures, rows)

@@ -24,27 +24,20 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     lyapunov_rate,
 )
 
-PHASES, LEVELS = 81, 9
+LEVELS = 9
+"""Number of levels of the tube at which the gait is evaluated."""
 CROSSINGS = (1e-9, 1e-8, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
 """Half widths tried around the crossing of the guard at eta = 0, in phases."""
 CLEAR = 1e-12
 """Height of the foot before and behind the crossing [m]; it exceeds rounding errors."""
-LARGEST = 0.1
-"""Largest radius that is tried [rad]."""
-ABOVE, BELOW = 1.08, 0.94
-"""Factors of a constant over, or under, the values seen at points."""
+MARGIN = 1.08
+"""Factor of a constant over the values seen at points."""
 AMPLE = 1.3
 """Factor for an impact: the theorem has room there, and bounds cost the most."""
-ROUNDING = 1e-6
-"""Loss of float64 bounds at an impact, at most [rad]."""
 DIGITS = 4
 """Significant digits of numbers that a statement gives exactly, for people to read."""
 ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
 """Barrier gains that are tried [1/s]."""
-_NO_CROSSING = (
-    "the swing foot does not go through the ground everywhere within "
-    f"{CROSSINGS[-1]} phases of the guard"
-)
 
 
 def find_full_order(
@@ -65,14 +58,20 @@ def find_full_order(
     """
     evaluators = evaluators if plan is None else evaluators.in_norm(plan.matrix)
     levels = np.linspace(0.0, 1.0, LEVELS)
-    u = grid(np.linspace(0.0, 1.0, PHASES), levels)
+    u = grid(np.linspace(0.0, 1.0, 81), levels)
     samples = evaluators.step(u, np.zeros((len(u), evaluators.size)))
     crossing, gamma = _crossing(evaluators, levels), float(lyapunov_rate(bandwidth))
     reason = _no_set(samples, gamma, bandwidth)
-    if reason is not None or crossing is None:
-        return reason or _NO_CROSSING
-    limit, risen = _radius(samples, u[:, 0], gamma / (4.0 * ABOVE * samples["pace"].max()))
-    radius = float(at_least(plan.radius if plan else min(share * limit, LARGEST), DIGITS))
+    if reason is not None:
+        return reason
+    if crossing is None:
+        return (
+            "the swing foot does not go through the ground everywhere within "
+            f"{CROSSINGS[-1]} phases of the guard"
+        )
+    limit, risen = _radius(samples, u[:, 0], gamma / (4.0 * MARGIN * samples["pace"].max()))
+    largest = 0.1  # Largest radius that is tried [rad].
+    radius = float(at_least(plan.radius if plan else min(share * limit, largest), DIGITS))
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
     rate = plan.slower * gamma if plan else gamma
     most, shrink = _fastest(samples, u[:, 0], radius, floor, rate)
@@ -148,7 +147,8 @@ class _Impacts:
 
     @property
     def mismatch(self) -> float:
-        return ABOVE * float(np.linalg.norm(self.line["after"], axis=1).max()) + ROUNDING
+        rounding = 1e-6  # Most that float64 bounds lose at an impact [rad].
+        return MARGIN * float(np.linalg.norm(self.line["after"], axis=1).max()) + rounding
 
     @property
     def drift(self) -> float:
@@ -194,7 +194,7 @@ def _over(
 ) -> np.ndarray:
     """Return a quantity plus a generous bound on the effect of outputs of a radius. [n]."""
     bound = floor + (radius - floor) * np.exp(-shrink * phase**2)
-    reach = ABOVE * bound * slope_norms(samples, name)[:, 0]
+    reach = MARGIN * bound * slope_norms(samples, name)[:, 0]
     return (1.02 if radius > 0.0 else 1.0) * samples[name][:, 0] + reach
 
 
@@ -261,13 +261,14 @@ def _barrier(
     plan: Plan | None,
 ) -> BarrierConstants:
     """Return the constants of one barrier with the gain that needs the least sigma."""
-    above = ABOVE if plan is None else 1.2
+    above = MARGIN if plan is None else 1.2
     coupling = above * float(slope_norms(step, "rate")[:, k].max())
     reading = float(at_most(above * float(slope_norms(step, "reading")[:, k].max()), DIGITS))
     best = None
     for alpha in (a for a in ALPHAS if a < gamma):
         worst = float((step["rate"][:, k] + alpha * step["h"][:, k]).min())
-        epsilon = BELOW * worst if worst > 0.0 else worst - 0.05 * abs(worst)
+        # Below the smallest value seen at points.
+        epsilon = 0.94 * worst if worst > 0.0 else worst - 0.05 * abs(worst)
         # epsilon - alpha l^2 / (4 sigma) >= c^2 / (4 sigma (gamma - alpha)).
         needed = (coupling**2 / (gamma - alpha) + alpha * reading**2) / 4.0
         sigma = needed / epsilon if epsilon > 0.0 else math.inf

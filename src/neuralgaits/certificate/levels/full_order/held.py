@@ -11,16 +11,6 @@ JERK = 1.04
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
 REST = 1.1
 """Bound on a law's own error at xi = 0, as a multiple of the largest seen."""
-GROWTH_ROOM, TIGHT_GROWTH_ROOM = 3.0, 1.5
-"""Room for the slope of S de/dt in xi, as a multiple of the largest slope of the jerk that is seen;
-enclosures of third derivatives are wide. The second is enough for the search; the first is what
-the C++ checker needs, which derives exact linearisation with ticks at touchdowns."""
-JERK_PUSH, LAW_JERK_PUSH = 1.5, 6.0
-"""Factors for the slope of de/dt in e less 2 w, under exact linearisation and another law."""
-KICK = 1.02
-"""Bound on the error right after an impact, as a multiple of the largest seen."""
-KICK_SLOPE = 1.3, 700.0
-"""Factors for its slope in xi: of the slope, and of the slope times the radius before an impact."""
 
 
 class Held(NamedTuple):
@@ -113,12 +103,18 @@ def growth_bound(slopes: np.ndarray, bandwidth: float, *, tight: bool) -> float:
     # Of a robot that nothing but its outputs moves, it is w^3 (1, 1).
     own = slopes + bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
     largest = float(np.sqrt(np.linalg.eigvalsh(slopes @ slopes.swapaxes(1, 2)).max()))
-    return largest + (TIGHT_GROWTH_ROOM if tight else GROWTH_ROOM) * frobenius(own)
+    # Room, as a multiple of the largest slope of the jerk that is seen: enclosures of third
+    # derivatives are wide. 1.5 is enough for the search; 3 is what the C++ checker needs, which
+    # derives exact linearisation with ticks at touchdowns.
+    room = 1.5 if tight else 3.0
+    return largest + room * frobenius(own)
 
 
 def push_bound(pushes: np.ndarray, law_slopes: np.ndarray) -> float:
     """Bound the slope of S de/dt in S e less 2 w, given those seen and the law's own errors."""
-    return (LAW_JERK_PUSH if law_slopes.any() else JERK_PUSH) * frobenius(pushes)
+    # Room, as a multiple of the largest slope seen, under exact linearisation and another law.
+    room = 6.0 if law_slopes.any() else 1.5
+    return room * frobenius(pushes)
 
 
 def least_decay(slopes: np.ndarray, bandwidth: float) -> float:
@@ -145,5 +141,6 @@ def kick_bounds(
         push: their slopes in the error from before. [q, m, m]
         radius: bound on sqrt(V) before the impact [rad]. Enclosures widen with it.
     """
-    along = frobenius(slope) * (KICK_SLOPE[0] + KICK_SLOPE[1] * radius)
-    return KICK * float(np.linalg.norm(kick, axis=1).max()), along, KICK * frobenius(push)
+    room = 1.02  # Bound on the error and on its slope in that from before, per largest one seen.
+    along = frobenius(slope) * (1.3 + 700.0 * radius)  # The slope in xi is much harder to enclose.
+    return room * float(np.linalg.norm(kick, axis=1).max()), along, room * frobenius(push)

@@ -32,28 +32,28 @@ class Inequality(NamedTuple):
         return bool(self.left < self.right)
 
 
-def inequalities(shape: FullOrderConstants) -> list[Inequality]:
+def inequalities(constants: FullOrderConstants) -> list[Inequality]:
     """Return every inequality that the constants must satisfy."""
-    gamma, zero = _gamma(shape), arb(0)
-    least, most = map(arb, shape.pace)
+    gamma, zero = _gamma(constants), arb(0)
+    least, most = map(arb, constants.pace)
     # The edges that the boxes have: 1 + g, 1 - g and 1 -+ e, each rounded to a double.
-    last, before = arb(shape.ends[1]), arb(shape.guard_from)
-    shrink, radius = arb(shape.shrink), arb(shape.radius)
-    kept, at_guard = bound_at(shape, arb(shape.start_strip)), bound_at(shape, before)
-    landing = arb(shape.landing) + _size(shape.landing_slope) * arb(shape.guard_radius)
+    last, before = arb(constants.ends[1]), arb(constants.guard_from)
+    shrink, radius = arb(constants.shrink), arb(constants.radius)
+    kept, at_guard = bound_at(constants, arb(constants.start_strip)), bound_at(constants, before)
+    landing = arb(constants.landing) + _size(constants.landing_slope) * arb(constants.guard_radius)
     # Numbers are those of docs/full_order.md, "The inequalities". First inequality 1.
     steps = [
         Inequality("the phase moves on: 0 < its least rate", zero, least),
-        Inequality("the dynamics have a denominator: 0 < inertia", zero, arb(shape.inertia)),
+        Inequality("the dynamics have a denominator: 0 < inertia", zero, arb(constants.inertia)),
         Inequality("0 < radius", zero, radius),
-        Inequality("0 < start_strip", zero, arb(shape.start_strip)),
-        Inequality("start_strip < 0.05", arb(shape.start_strip), arb("0.05")),
-        Inequality("guard_strip < 0.05", arb(shape.guard_strip), arb("0.05")),
-        Inequality("0 < crossing", zero, arb(shape.crossing)),
-        Inequality("1 - guard_strip < 1 - crossing", before, arb(shape.crossings[0])),
-        Inequality("1 + crossing < 1 + guard_strip", arb(shape.crossings[1]), last),
-        Inequality("0 < risen", zero, arb(shape.risen)),
-        Inequality("risen < 1 - guard_strip", arb(shape.risen), before),
+        Inequality("0 < start_strip", zero, arb(constants.start_strip)),
+        Inequality("start_strip < 0.05", arb(constants.start_strip), arb("0.05")),
+        Inequality("guard_strip < 0.05", arb(constants.guard_strip), arb("0.05")),
+        Inequality("0 < crossing", zero, arb(constants.crossing)),
+        Inequality("1 - guard_strip < 1 - crossing", before, arb(constants.crossings[0])),
+        Inequality("1 + crossing < 1 + guard_strip", arb(constants.crossings[1]), last),
+        Inequality("0 < risen", zero, arb(constants.risen)),
+        Inequality("risen < 1 - guard_strip", arb(constants.risen), before),
         Inequality("the bound on sqrt(V) is largest at phase 0: 0 < shrink", zero, shrink),
         # Inequality 2.
         Inequality(
@@ -62,25 +62,29 @@ def inequalities(shape: FullOrderConstants) -> list[Inequality]:
             gamma,
         ),
         # Inequality 3.
-        Inequality("the bound at the guard < guard_radius", at_guard, arb(shape.guard_radius)),
+        Inequality("the bound at the guard < guard_radius", at_guard, arb(constants.guard_radius)),
         # Inequality 5.
         Inequality(
-            "an impact lands in the tube: |phase+| < start_strip", landing, arb(shape.start_strip)
+            "an impact lands in the tube: |phase+| < start_strip",
+            landing,
+            arb(constants.start_strip),
         ),
         # Inequality 4.
         Inequality(
-            "outputs after an impact are in the set: sqrt(V+) < radius", after_impact(shape), kept
+            "outputs after an impact are in the set: sqrt(V+) < radius",
+            after_impact(constants),
+            kept,
         ),
     ]
-    if shape.least_radius != 0.0:
+    if constants.least_radius != 0.0:
         # 0 < f < R0, of level 5's set (docs/level5.md).
-        floor = arb(shape.least_radius)
+        floor = arb(constants.least_radius)
         steps += [
             Inequality("0 < floor", zero, floor),
             Inequality("floor < radius", floor, radius),
         ]
-    for barrier in shape.barriers:
-        steps += _of_barrier(shape, barrier, gamma)
+    for barrier in constants.barriers:
+        steps += _barrier_inequalities(constants, barrier, gamma)
     return steps
 
 
@@ -90,25 +94,25 @@ def obstacle(step: Inequality) -> str:
     return f"{step.claim}: {left} against {right}"
 
 
-def is_norm(shape: FullOrderConstants) -> bool:
+def is_norm(constants: FullOrderConstants) -> bool:
     """Return whether S of V = |S dy/w|^2 + ... is an upper triangular matrix with an inverse."""
-    joints = joints_of(shape.weights)
+    joints = joints_of(constants.weights)
     if joints is None:
         return False
-    matrix = weighting(shape.weights, joints)
-    return all(math.isfinite(w) for w in shape.weights) and all(
+    matrix = weighting(constants.weights, joints)
+    return all(math.isfinite(w) for w in constants.weights) and all(
         matrix[i][i] != 0.0 for i in range(joints)
     )
 
 
-def bound_at(shape: FullOrderConstants, phase: arb) -> arb:
+def bound_at(constants: FullOrderConstants, phase: arb) -> arb:
     """Bound sqrt(V) in D at a phase."""
-    floor = arb(shape.least_radius)
-    return floor + (arb(shape.radius) - floor) * (-arb(shape.shrink) * phase**2).exp()
+    floor = arb(constants.least_radius)
+    return floor + (arb(constants.radius) - floor) * (-arb(constants.shrink) * phase**2).exp()
 
 
-def _of_barrier(
-    shape: FullOrderConstants, barrier: BarrierConstants, gamma: arb
+def _barrier_inequalities(
+    constants: FullOrderConstants, barrier: BarrierConstants, gamma: arb
 ) -> list[Inequality]:
     name, zero = barrier.name, arb(0)
     alpha, sigma = arb(barrier.alpha), arb(barrier.sigma)
@@ -131,8 +135,8 @@ def _of_barrier(
         # Inequality 7.
         Inequality(
             f"{name}: across impacts, sigma V+ < h(z+) - t",
-            sigma * after_impact(shape) ** 2,
-            inlet(shape, barrier),
+            sigma * after_impact(constants) ** 2,
+            inlet(constants, barrier),
         ),
     ]
 
@@ -142,26 +146,26 @@ def tightening(barrier: BarrierConstants) -> arb:
     return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
 
 
-def inlet(shape: FullOrderConstants, barrier: BarrierConstants) -> arb:
+def inlet(constants: FullOrderConstants, barrier: BarrierConstants) -> arb:
     """Bound h - t from below after any impact of the set."""
-    landing_shift = _size(barrier.reset_slope) * arb(shape.guard_radius)
+    landing_shift = _size(barrier.reset_slope) * arb(constants.guard_radius)
     return arb(barrier.reset) - landing_shift - tightening(barrier)
 
 
-def _gamma(shape: FullOrderConstants) -> arb:
-    rate = lyapunov_rate(shape.bandwidth)
+def _gamma(constants: FullOrderConstants) -> arb:
+    rate = lyapunov_rate(constants.bandwidth)
     return arb(fmpq(rate.numerator, rate.denominator))
 
 
-def after_impact(shape: FullOrderConstants) -> arb:
+def after_impact(constants: FullOrderConstants) -> arb:
     """Bound sqrt(V) after any impact of the set."""
-    return mismatch(shape) + _size(shape.gain) * arb(shape.guard_radius)
+    return mismatch(constants) + _size(constants.gain) * arb(constants.guard_radius)
 
 
-def mismatch(shape: FullOrderConstants) -> arb:
+def mismatch(constants: FullOrderConstants) -> arb:
     """Return sqrt(v_sym), the bound on sqrt(V) after an impact from eta = 0."""
-    near, far = map(arb, shape.crossings)
-    return _size(shape.mismatch) + _size(shape.drift) * (1 - near).max(far - 1)
+    near, far = map(arb, constants.crossings)
+    return _size(constants.mismatch) + _size(constants.drift) * (1 - near).max(far - 1)
 
 
 def _size(bound: float) -> arb:
@@ -169,24 +173,24 @@ def _size(bound: float) -> arb:
     return abs(arb(bound))
 
 
-def least_time(shape: FullOrderConstants) -> arb:
+def least_time(constants: FullOrderConstants) -> arb:
     """Bound the time of a step from below, from the start's strip to the guard's [s]."""
-    return (arb(shape.guard_from) - arb(shape.start_strip)) / arb(shape.pace[1])
+    return (arb(constants.guard_from) - arb(constants.start_strip)) / arb(constants.pace[1])
 
 
-def step_factor(shape: FullOrderConstants, gamma: arb | None = None) -> arb:
+def step_factor(constants: FullOrderConstants, gamma: arb | None = None) -> arb:
     """Return the factor of r+ = sqrt(v_sym) + factor r, from one impact to the next.
 
     Args:
-        shape: parameters of the set.
+        constants: parameters of the set.
         gamma: rate at which V falls [1/s]; that of exact linearisation if None.
     """
-    gamma = _gamma(shape) if gamma is None else gamma
-    return _size(shape.gain) * (-gamma * least_time(shape) / 2).exp()
+    gamma = _gamma(constants) if gamma is None else gamma
+    return _size(constants.gain) * (-gamma * least_time(constants) / 2).exp()
 
 
-def r_end(shape: FullOrderConstants) -> arb:
+def r_end(constants: FullOrderConstants) -> arb:
     """Return the limit of r+ = sqrt(v_sym) + factor r, or the bound after one impact if less."""
-    factor = step_factor(shape)
-    limit = mismatch(shape) / (1 - factor)
-    return limit if factor < 1 and limit < after_impact(shape) else after_impact(shape)
+    factor = step_factor(constants)
+    limit = mismatch(constants) / (1 - factor)
+    return limit if factor < 1 and limit < after_impact(constants) else after_impact(constants)

@@ -31,17 +31,17 @@ from neuralgaits.gait.full_order import FullPoint
 
 
 def margins(
-    model: FullOrderModel, shape: FullOrderConstants, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, constants: FullOrderConstants, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return all margins of the theorem at one chart point and one xi of the unit ball."""
-    constants = TheoremArrays.of(shape, model.names)
-    xi, model = xi[: model.size], constants.model(model)
-    bound = constants.bound(u[0])
+    arrays = TheoremArrays.of(constants, model.names)
+    xi, model = xi[: model.size], arrays.model(model)
+    bound = arrays.bound(u[0])
     return (
-        _step_margins(model, constants, model.point(u, bound * xi))
-        | _decay_margins(model, constants, u, bound * xi)
-        | _guard_margins(model, constants, u, constants.set["guard_radius"] * xi)
-        | _crossing_margins(model, constants, u)
+        _step_margins(model, arrays, model.point(u, bound * xi))
+        | _decay_margins(model, arrays, u, bound * xi)
+        | _guard_margins(model, arrays, u, arrays.set["guard_radius"] * xi)
+        | _crossing_margins(model, arrays, u)
     )
 
 
@@ -54,12 +54,12 @@ class TheoremArrays(NamedTuple):
     weights: Weights
 
     @classmethod
-    def of(cls, shape: FullOrderConstants, names: Sequence[str]) -> "TheoremArrays":
+    def of(cls, constants: FullOrderConstants, names: Sequence[str]) -> "TheoremArrays":
         """Return the numbers of a set whose barriers have these names, those of the model."""
-        parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
+        parts = {name: jnp.asarray(np.array(values)) for name, values in series(constants).items()}
         rows = parts["barriers"].reshape(-1, len(BARRIER_CONSTANTS))
         return cls(
-            dict(zip(constants_of_set(shape), parts["set"], strict=True)),
+            dict(zip(constants_of_set(constants), parts["set"], strict=True)),
             {
                 name: dict(zip(BARRIER_CONSTANTS, row, strict=True))
                 for name, row in zip(names, rows, strict=True)
@@ -73,20 +73,20 @@ class TheoremArrays(NamedTuple):
 
     def bound(self, phase: Scalar) -> Scalar:
         """Bound sqrt(V) in the set at a phase [rad]."""
-        shape = jnp.exp(-self.set["shrink"] * phase * phase)
+        shrunk = jnp.exp(-self.set["shrink"] * phase * phase)
         if "floor" not in self.set:
-            return self.set["radius"] * shape
-        return self.set["floor"] + (self.set["radius"] - self.set["floor"]) * shape
+            return self.set["radius"] * shrunk
+        return self.set["floor"] + (self.set["radius"] - self.set["floor"]) * shrunk
 
 
-def _step_margins(model: FullOrderModel, constants: TheoremArrays, point: FullPoint) -> Quantities:
+def _step_margins(model: FullOrderModel, arrays: TheoremArrays, point: FullPoint) -> Quantities:
     """Return margins between impacts: the robot walks on within its contact and torque limits."""
     quantities = model.in_step(point)
-    least, most = constants.set["slowest"], constants.set["fastest"]
+    least, most = arrays.set["slowest"], arrays.set["fastest"]
     # a <= dphi/dt <= b, and -J.s >= d.
     return {
         "full/pace": jnp.concatenate([quantities["pace"] - least, most - quantities["pace"]]),
-        "full/inertia": quantities["inertia"] - constants.set["inertia"],
+        "full/inertia": quantities["inertia"] - arrays.set["inertia"],
         "full/contact": quantities["contact"],
         "full/torque": quantities["torque"],
         "full/foot-rises": quantities["foot-rate"],
@@ -95,7 +95,7 @@ def _step_margins(model: FullOrderModel, constants: TheoremArrays, point: FullPo
 
 
 def _decay_margins(
-    model: FullOrderModel, constants: TheoremArrays, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, arrays: TheoremArrays, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return margins between impacts that keep h - t - sigma V from becoming negative."""
     centre = model.point(u, jnp.zeros_like(xi))
@@ -103,7 +103,7 @@ def _decay_margins(
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
     reading = jax.jacfwd(lambda moved: model.readings(model.point(u, moved)))(xi)
     margins_by_name = {}
-    for k, (name, barrier) in enumerate(constants.barriers.items()):
+    for k, (name, barrier) in enumerate(arrays.barriers.items()):
         slope = reading[k]
         # dh/dt + alpha h >= epsilon at xi = 0; |d(dh/dt)/d xi| <= c and |dh/d xi| <= l as squares.
         margins_by_name[f"full/rate {name}"] = (
@@ -118,7 +118,7 @@ def _decay_margins(
 
 
 def _guard_margins(
-    model: FullOrderModel, constants: TheoremArrays, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, arrays: TheoremArrays, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return margins in the guard's strip: one crossing, and bounds on an impact's effect."""
     point = model.point(u, xi)
@@ -131,10 +131,10 @@ def _guard_margins(
         "full/momentum-after": impact["momentum"],
         "full/guard-slope": -slopes.fall,
         # |d xi+/d xi| <= L_D and |d phi+/d xi| <= L_z along the guard, as squares.
-        "full/gain": constants.set["gain"] ** 2 - jnp.sum(along["after"]),
-        "full/landing-slope": constants.set["landing_slope"] ** 2 - along["landing"],
+        "full/gain": arrays.set["gain"] ** 2 - jnp.sum(along["after"]),
+        "full/landing-slope": arrays.set["landing_slope"] ** 2 - along["landing"],
     }
-    for k, (name, barrier) in enumerate(constants.barriers.items()):
+    for k, (name, barrier) in enumerate(arrays.barriers.items()):
         # |dh(z+)/d xi| <= L_i along the guard, as squares.
         margins_by_name[f"full/reset-slope {name}"] = (
             barrier["reset_slope"] ** 2 - along["reset"][k]
@@ -143,22 +143,22 @@ def _guard_margins(
 
 
 def _crossing_margins(
-    model: FullOrderModel, constants: TheoremArrays, u: Float[Array, "2"]
+    model: FullOrderModel, arrays: TheoremArrays, u: Float[Array, "2"]
 ) -> Quantities:
     """Return margins of the state after an impact from eta = 0."""
     impact, drift = model.at_crossing(u)
     landing, after = impact["landing"], impact["after"]
     margins_by_name = {
         # |xi+| <= v, |d xi+/d phi| <= v' and |phi+| <= f.
-        "full/mismatch": constants.set["mismatch"] ** 2 - after @ after,
-        "full/drift": constants.set["drift"] ** 2 - drift @ drift,
+        "full/mismatch": arrays.set["mismatch"] ** 2 - after @ after,
+        "full/drift": arrays.set["drift"] ** 2 - drift @ drift,
         "full/landing": jnp.concatenate(
-            [constants.set["landing"] - landing, constants.set["landing"] + landing]
+            [arrays.set["landing"] - landing, arrays.set["landing"] + landing]
         ),
         "full/crossing-before": impact["foot"],
         "full/crossing-behind": -impact["foot"],
     }
-    for k, (name, barrier) in enumerate(constants.barriers.items()):
+    for k, (name, barrier) in enumerate(arrays.barriers.items()):
         # h_i(z+) >= h_i+.
         margins_by_name[f"full/reset {name}"] = impact["reset"][k] - barrier["reset"]
     return margins_by_name

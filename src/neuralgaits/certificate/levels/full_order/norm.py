@@ -31,7 +31,7 @@ SPARE, HELD_SPARE = 1.6, 1.1
 already take too much."""
 FULL, HELD_FULL = 0.96, 0.985
 """Share of the set that an impact may fill."""
-IMPACT, HELD_IMPACT = 1.18, 1.08
+IMPACT = 1.18
 """Effect of an impact, as a multiple of the largest seen: bounds cost so much."""
 LONGEST = 4e-3
 """Longest hold that is tried [s]."""
@@ -39,12 +39,8 @@ STRIP = 0.97
 """Phase at which the guard's strip begins."""
 LARGEST = 0.2
 """Largest radius that is tried for a set without pushes [rad]."""
-SIGMAS = np.geomspace(1.0, 1e5, 121)
-"""Weights of V in a barrier that are tried for a set without pushes."""
 GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
 """Barrier gains alpha that are tried [1/s]."""
-TRIES, HELD_TRIES = 500, 900
-"""Number of norms that are tried."""
 Worth = Callable[["NormPlans"], float]
 
 
@@ -129,7 +125,7 @@ def _best(
             lambda x: -worth(NormPlans(samples, bandwidth, matrix(x), held, error)),
             lower[rows],
             method="Nelder-Mead",
-            options={"maxfev": HELD_TRIES if held else TRIES, "adaptive": True},
+            options={"maxfev": 900 if held else 500, "adaptive": True},  # Norms that are tried.
         )
         norm = matrix(best.x)
         # The size of S means nothing: 1 for the determinant, and few digits.
@@ -149,7 +145,7 @@ class NormPlans:
         error: float = 0.0,
     ):
         self.samples, self.w, self.matrix, self.error = samples, bandwidth, matrix, error
-        self.impact = HELD_IMPACT if held else IMPACT
+        self.impact = 1.08 if held else IMPACT
         inverse = np.linalg.inv(matrix)
         both, back = doubled(matrix), doubled(inverse)
         usual, self.factor = float(lyapunov_rate(bandwidth)), push_factor(bandwidth)
@@ -270,12 +266,13 @@ class NormPlans:
         """Return the weight that leaves a barrier the most room without pushes; 0 if none does."""
         c, read, before = self.coupling[:, i].max(), self.reading[i], radius * self.left
         rate = (self.samples.rate.value[:, i] + GAINS[:, None] * self.samples.h[:, i]).min(axis=1)
-        tight = read**2 / (4.0 * SIGMAS)
-        lost = 1.1 * c**2 / (4.0 * SIGMAS[:, None] * (self.gamma - GAINS))
+        sigmas = np.geomspace(1.0, 1e5, 121)  # Weights of V in a barrier that are tried.
+        tight = read**2 / (4.0 * sigmas)
+        lost = 1.1 * c**2 / (4.0 * sigmas[:, None] * (self.gamma - GAINS))
         room = (0.91 * rate - lost - GAINS * tight[:, None]).max(axis=1)
         inlet = 0.95 * self.samples.inlet[i] - self.reset[i] * before - tight
-        room[1.05 * SIGMAS * (self.gain * before) ** 2 > inlet] = -1.0
-        return float(SIGMAS[room.argmax()]) if room.max() > 0.0 else 0.0
+        room[1.05 * sigmas * (self.gain * before) ** 2 > inlet] = -1.0
+        return float(sigmas[room.argmax()]) if room.max() > 0.0 else 0.0
 
     def _sigma(self, i: int, push: float, before: float, radius: float) -> float:
         """Return the weight that leaves a barrier the most room; 0 if none does.

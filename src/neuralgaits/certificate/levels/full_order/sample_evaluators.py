@@ -35,20 +35,8 @@ from neuralgaits.programs.prune import prune, reading
 from neuralgaits.programs.tracing.tracer import trace
 
 EXACT = ExactLinearisation()
-PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
-"""Shares of the planned push that are tried in turn."""
-LARGEST_SCHEDULED = 6.5e-3
-"""Largest radius tried where the law is not exact [rad]: bounds on its decay fail beyond it."""
 SMALL = 1.0 / 200.0
 """Half width of boxes on which premises are tried before any search, in sides of the root."""
-WIDEST = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
-"""Shares of the widest set that are tried in turn."""
-SMALLER = 1.0 / 800.0
-"""Half width of boxes for the widest set, in sides of the root; its size costs more boxes."""
-RISEN = 0.06
-"""Phase until which the foot is assumed to rise; then it is assumed to be up."""
-SHARES = (0.6, 0.3, 0.1)
-"""Shares of the largest radius seen at points that are tried in turn."""
 
 
 def set_of(
@@ -74,27 +62,33 @@ def set_of(
     """
     evaluators, reason, w = evaluators or evaluators_of(model), "", float(model.bandwidth)
     samples = sample_gait(evaluators, free_clock) if pushed or widest else None
-    small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
+    half_width = SMALL
+    plan_shares = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.
+    if widest:
+        half_width = 1.0 / 800.0  # The size of the widest set costs more boxes.
+        plan_shares = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
     plan = None
     largest = math.inf
     if pushed and samples is not None and samples.law.in_xi.any():
-        largest = LARGEST_SCHEDULED
+        # Largest radius tried where the law is not exact [rad]: bounds on its decay fail beyond it.
+        largest = 6.5e-3
     if samples is not None:
         plan = find_plan(samples, w, error) if pushed else find_widest(samples, w)
     tries: list[tuple[float, Plan | None]] = []
-    tries += [(1.0, plan.smaller(share)) for share in smaller] if plan else []
-    tries += [(share, None) for share in SHARES]
+    tries += [(1.0, plan.smaller(share)) for share in plan_shares] if plan else []
+    # Shares of the largest radius seen at points.
+    tries += [(share, None) for share in (0.6, 0.3, 0.1)]
     for share, planned in tries:
         if planned is not None and not 0.0 < planned.radius <= largest:
             continue
-        shape = find_full_order(evaluators, model.names, w, share, planned)
-        if isinstance(shape, str):
+        constants = find_full_order(evaluators, model.names, w, share, planned)
+        if isinstance(constants, str):
             if planned is None:
-                return reason or shape
+                return reason or constants
             continue
-        broken = [obstacle(step) for step in inequalities(shape) if not step.holds]
-        if not broken and (planned is None or bounded(model, shape, small)):
-            return shape
+        broken = [obstacle(step) for step in inequalities(constants) if not step.holds]
+        if not broken and (planned is None or bounded(model, constants, half_width)):
+            return constants
         if planned is not None:
             continue
         reason = reason or "; ".join(broken)
@@ -102,35 +96,35 @@ def set_of(
 
 
 def evaluators_in_norm(
-    model: FullOrderModel, shape: FullOrderConstants, evaluators: SampleEvaluators | None = None
+    model: FullOrderModel, constants: FullOrderConstants, evaluators: SampleEvaluators | None = None
 ) -> SampleEvaluators:
     """Return the functions to evaluate in the norm of a set.
 
     Args:
         model: model of the gait, in no norm.
-        shape: set of the gait.
+        constants: set of the gait.
         evaluators: `evaluators_of` the model, made here if they are not given.
     """
     plain, joints = evaluators or evaluators_of(model), model.size // 2
-    return plain.in_norm(np.array(weighting(shape.weights, joints)))
+    return plain.in_norm(np.array(weighting(constants.weights, joints)))
 
 
-def bounded(model: FullOrderModel, shape: FullOrderConstants, small: float = SMALL) -> bool:
+def bounded(model: FullOrderModel, constants: FullOrderConstants, small: float = SMALL) -> bool:
     """Return whether premises hold on small boxes.
 
     Outputs are never cut, so smaller boxes gain little.
 
     Args:
         model: model of the gait.
-        shape: set of the gait.
+        constants: set of the gait.
         small: half width of the boxes, in sides of the root.
     """
     program = trace(
-        lambda u, xi: margins(model, shape, u, xi), {"u": (PLANE,), "xi": (model.size,)}
+        lambda u, xi: margins(model, constants, u, xi), {"u": (PLANE,), "xi": (model.size,)}
     )
     roots: dict[tuple[Corner, Corner], list[str]] = {}
     off_zero = reading(program, "xi")
-    for output, low, high, _ in premises(shape):
+    for output, low, high, _ in premises(constants):
         if output in off_zero:
             roots.setdefault((low, high), []).append(output)
     for (low, high), names in roots.items():
@@ -181,11 +175,11 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
             return law.error(model.point(u, xi), u)
 
         at, push = xi[:-m], xi[-m:]
-        found = {f"{name}/push": d for name, d in jax.jacfwd(forces)(push).items()}
-        found |= {"law": of_law(at), "law/slope": jax.jacfwd(of_law)(at)}
+        values = {f"{name}/push": d for name, d in jax.jacfwd(forces)(push).items()}
+        values |= {"law": of_law(at), "law/slope": jax.jacfwd(of_law)(at)}
         slopes = jax.jacfwd(growth)(at, push), jax.jacfwd(growth, 1)(at, push)
         pushed = slopes[1] - 2.0 * model.bandwidth * jnp.eye(m)
-        return found | {"jerk": growth(at, push), "jerk/slope": slopes[0], "jerk/push": pushed}
+        return values | {"jerk": growth(at, push), "jerk/slope": slopes[0], "jerk/push": pushed}
 
     def kick(u, xi):
         def error(xi, push):
@@ -222,7 +216,8 @@ def sample_gait(evaluators: SampleEvaluators, free_clock: bool = False) -> GaitS
     if step["pace"].min() <= 0.0 or step["inertia"].min() <= 0.0:
         return None
     phase = u[:, 0]
-    apart = {"foot-rate": phase <= RISEN, "foot": (phase > RISEN) & (phase < 0.995)}
+    risen = 0.06  # Phase until which the foot is assumed to rise; then it is assumed to be up.
+    apart = {"foot-rate": phase <= risen, "foot": (phase > risen) & (phase < 0.995)}
     names = ("contact", "torque", *apart)
     value = [np.where(apart[n][:, None], step[n], np.inf) if n in apart else step[n] for n in names]
     pushes = [off[f"{n}/push"] for n in names[:2]]

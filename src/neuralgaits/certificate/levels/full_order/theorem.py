@@ -28,10 +28,12 @@ REGION = "full order"
 BARRIER_CONSTANTS = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
 """Names of a barrier's numbers that margins read; they do not read sigma."""
 
-# V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 for each joint decays at the rate DECAY w. Powers of two
-# keep the change of coordinates exact; among those tried this pair allows the largest errors
-# that the contact and torque limits of the default gaits stand.
-STIFF, DECAY = Fraction(2), Fraction(3, 2)
+STIFF = Fraction(2)
+"""Weight in V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 of each joint. Powers of two keep the change of
+coordinates exact; among those tried this one allows the largest errors that the contact and torque
+limits of the default gaits stand."""
+DECAY = Fraction(3, 2)
+"""Rate at which that V decays, in units of w."""
 
 
 @dataclass(frozen=True)
@@ -129,23 +131,27 @@ def refusal(chart: Chart, floor: float) -> str | None:
     return None
 
 
-def constants_of_set(shape: FullOrderConstants) -> dict[str, float]:
+def constants_of_set(constants: FullOrderConstants) -> dict[str, float]:
     """Return the set's numbers that margins read, by name."""
     alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
-    least, most = shape.pace
-    constants_by_name = {n: getattr(shape, n) for n in alone.split()} | {
+    least, most = constants.pace
+    constants_by_name = {n: getattr(constants, n) for n in alone.split()} | {
         "slowest": least,
         "fastest": most,
     }
     # A bound without a floor has none in its Program.
-    return constants_by_name | ({"floor": shape.least_radius} if shape.least_radius != 0.0 else {})
+    return constants_by_name | (
+        {"floor": constants.least_radius} if constants.least_radius != 0.0 else {}
+    )
 
 
-def series(shape: FullOrderConstants) -> dict[str, tuple[float, ...]]:
+def series(constants: FullOrderConstants) -> dict[str, tuple[float, ...]]:
     """Return all numbers that margins read, as lists named like the Program's constants."""
-    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in BARRIER_CONSTANTS)
-    constants_by_name = {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
-    return constants_by_name | ({"weights": shape.weights} if shape.weights else {})
+    rows = tuple(
+        getattr(barrier, name) for barrier in constants.barriers for name in BARRIER_CONSTANTS
+    )
+    constants_by_name = {"set": tuple(constants_of_set(constants).values()), "barriers": rows}
+    return constants_by_name | ({"weights": constants.weights} if constants.weights else {})
 
 
 def weighting(weights: Sequence[float], joints: int) -> list[list[float]]:
@@ -193,10 +199,10 @@ def decays(bandwidth: float) -> bool:
     return positive and q11 >= 0 and q22 >= 0 and q11 * q22 >= q12 * q12
 
 
-def premises(shape: FullOrderConstants) -> list[Premise]:
+def premises(constants: FullOrderConstants) -> list[Premise]:
     """Return the premises of level 4."""
-    first, last = shape.ends
-    before, (near, far) = shape.guard_from, shape.crossings
+    first, last = constants.ends
+    before, (near, far) = constants.guard_from, constants.crossings
     tube = (first, 0.0), (last, 1.0)
     strip = (before, 0.0), (last, 1.0)
     crossing = (near, 0.0), (far, 1.0)
@@ -205,8 +211,8 @@ def premises(shape: FullOrderConstants) -> list[Premise]:
         Premise("full/inertia", *tube),
         Premise("full/contact", *tube),
         Premise("full/torque", *tube),
-        Premise("full/foot-rises", (first, 0.0), (shape.risen, 1.0)),
-        Premise("full/foot-above", (shape.risen, 0.0), (before, 1.0)),
+        Premise("full/foot-rises", (first, 0.0), (constants.risen, 1.0)),
+        Premise("full/foot-above", (constants.risen, 0.0), (before, 1.0)),
         Premise("full/foot-below", (last, 0.0), (last, 1.0)),
         Premise("full/crossing-before", (near, 0.0), (near, 1.0)),
         Premise("full/crossing-behind", (far, 0.0), (far, 1.0)),
@@ -220,7 +226,7 @@ def premises(shape: FullOrderConstants) -> list[Premise]:
         Premise("full/drift", *crossing, sign="not negative"),
         Premise("full/landing", *crossing, sign="not negative"),
     ]
-    for barrier in shape.barriers:
+    for barrier in constants.barriers:
         name = barrier.name
         rows += [
             Premise(f"full/rate {name}", *tube, sign="not negative"),
@@ -233,7 +239,7 @@ def premises(shape: FullOrderConstants) -> list[Premise]:
     return rows
 
 
-def labelled_premises(shape: FullOrderConstants) -> Iterator[tuple[str, str, Corner, Corner]]:
+def labelled_premises(constants: FullOrderConstants) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of every premise of level 4."""
-    for output, low, high, _ in premises(shape):
+    for output, low, high, _ in premises(constants):
         yield REGION, output, low, high

@@ -25,14 +25,13 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 from neuralgaits.certificate.premises import Bounds, above, below
 from neuralgaits.records.certified import TheoremConstant
 
-_LEAST, _MOST = ("gamma", "radius", "epsilon", "most sigma"), ("step factor", "r_end", "t")
-"""Constants that are bounds from below and from above, where their meaning does not say it."""
 
-
-def constants(shape: FullOrderConstants, bounds: Bounds | None = None) -> list[TheoremConstant]:
+def constant_rows(
+    constants: FullOrderConstants, bounds: Bounds | None = None
+) -> list[TheoremConstant]:
     """Return every constant of the theorem, and proved bounds on contact, torques and foot in D."""
-    w, rate = shape.bandwidth, float(lyapunov_rate(shape.bandwidth))
-    after = above(after_impact(shape))
+    w, rate = constants.bandwidth, float(lyapunov_rate(constants.bandwidth))
+    after = above(after_impact(constants))
     rows = [
         TheoremConstant("w", w, "rad/s", "double pole of the outputs, critically damped"),
         TheoremConstant(
@@ -40,40 +39,44 @@ def constants(shape: FullOrderConstants, bounds: Bounds | None = None) -> list[T
         ),
         TheoremConstant("gamma", rate, "1/s", "V' <= -gamma V"),
         TheoremConstant(
-            "radius", shape.radius, "rad", "sqrt(V) in the set, at the start of a step"
+            "radius", constants.radius, "rad", "sqrt(V) in the set, at the start of a step"
         ),
-        TheoremConstant("shrink", shape.shrink, "1", f"at later phases: {_bound_in_words()}"),
+        TheoremConstant("shrink", constants.shrink, "1", f"at later phases: {_bound_in_words()}"),
         TheoremConstant(
-            "least radius", shape.least_radius, "rad", "what the bound on sqrt(V) shrinks to"
+            "least radius", constants.least_radius, "rad", "what the bound on sqrt(V) shrinks to"
         ),
         TheoremConstant(
-            "guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"
+            "guard radius", constants.guard_radius, "rad", "sqrt(V) before an impact, at most"
         ),
-        TheoremConstant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
-        TheoremConstant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
-        TheoremConstant("T_min", below(least_time(shape)), "s", "time of a step, at least"),
-        TheoremConstant("inertia", shape.inertia, "kg m", "-J.s, at least"),
+        TheoremConstant("least pace", constants.pace[0], "1/s", "rate of the phase, at least"),
+        TheoremConstant("most pace", constants.pace[1], "1/s", "rate of the phase, at most"),
+        TheoremConstant("T_min", below(least_time(constants)), "s", "time of a step, at least"),
+        TheoremConstant("inertia", constants.inertia, "kg m", "-J.s, at least"),
         TheoremConstant(
-            "sqrt v_sym", above(mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"
+            "sqrt v_sym", above(mismatch(constants)), "rad", "sqrt(V+) after eta = 0, at most"
         ),
-        TheoremConstant("L_D", shape.gain, "1", "growth of sqrt(V) across an impact, at most"),
+        TheoremConstant("L_D", constants.gain, "1", "growth of sqrt(V) across an impact, at most"),
         TheoremConstant("r_bar", after, "rad", "sqrt(V+) after any impact of the set, at most"),
-        TheoremConstant("step factor", above(step_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
         TheoremConstant(
-            "r_end", above(r_end(shape)), "rad", "what sqrt(V+) falls to, step by step"
-        ),
-        TheoremConstant("L_z", shape.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
-        TheoremConstant(
-            "start strip", shape.start_strip, "phase", "the set begins so far before phase 0"
+            "step factor", above(step_factor(constants)), "1", "L_D exp(-gamma T_min / 2)"
         ),
         TheoremConstant(
-            "guard strip", shape.guard_strip, "phase", "the guard is met so near to phase 1"
+            "r_end", above(r_end(constants)), "rad", "what sqrt(V+) falls to, step by step"
         ),
-        TheoremConstant("foot rises", shape.risen, "phase", "until here it rises; then it is up"),
+        TheoremConstant("L_z", constants.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
+        TheoremConstant(
+            "start strip", constants.start_strip, "phase", "the set begins so far before phase 0"
+        ),
+        TheoremConstant(
+            "guard strip", constants.guard_strip, "phase", "the guard is met so near to phase 1"
+        ),
+        TheoremConstant(
+            "foot rises", constants.risen, "phase", "until here it rises; then it is up"
+        ),
     ]
-    for barrier in shape.barriers:
-        rows += _constants_of(shape, barrier, after)
-    rows += [] if bounds is None else _slacks(shape, bounds)
+    for barrier in constants.barriers:
+        rows += _constants_of(constants, barrier, after)
+    rows += [] if bounds is None else _slacks(constants, bounds)
     return [_sided(constant) for constant in rows]
 
 
@@ -84,12 +87,14 @@ def _sided(constant: TheoremConstant) -> TheoremConstant:
     if constant.meaning.endswith("at most"):
         return replace(constant, side="most")
     name = constant.name.rpartition(": ")[2]
-    if name in _LEAST:
+    if name in ("gamma", "radius", "epsilon", "most sigma"):
         return replace(constant, side="least")
-    return replace(constant, side="most") if name in _MOST else constant
+    if name in ("step factor", "r_end", "t"):
+        return replace(constant, side="most")
+    return constant
 
 
-def _slacks(shape: FullOrderConstants, bounds: Bounds) -> list[TheoremConstant]:
+def _slacks(constants: FullOrderConstants, bounds: Bounds) -> list[TheoremConstant]:
     """Return proved bounds of the premises that are inequalities of the robot, everywhere in D."""
     named = {
         "full/contact": ("contact slack", "weights", "normal force, both sides of the cone"),
@@ -101,14 +106,14 @@ def _slacks(shape: FullOrderConstants, bounds: Bounds) -> list[TheoremConstant]:
     }
     return [
         TheoremConstant(name, bounds[output, low, high], unit, f"{meaning}, at least")
-        for output, low, high, _ in premises(shape)
+        for output, low, high, _ in premises(constants)
         if (output, low, high) in bounds and output in named
         for name, unit, meaning in [named[output]]
     ]
 
 
 def _constants_of(
-    shape: FullOrderConstants, barrier: BarrierConstants, after: float
+    constants: FullOrderConstants, barrier: BarrierConstants, after: float
 ) -> list[TheoremConstant]:
     name, unit = barrier.name, "1" if barrier.reading == 0.0 else "rad"
     least = above(arb(barrier.epsilon)) if barrier.sigma <= 0.0 else barrier.epsilon
@@ -136,7 +141,7 @@ def _constants_of(
         ),
     ]
     if barrier.sigma > 0.0 and after > 0.0:
-        room = below(inlet(shape, barrier) / arb(after) ** 2)
+        room = below(inlet(constants, barrier) / arb(after) ** 2)
         # Exactly nothing where outputs do not move it.
         tightened = above(tightening(barrier)) if barrier.reading != 0.0 else 0.0
         rows += [
@@ -148,17 +153,17 @@ def _constants_of(
     return rows
 
 
-def in_words(shape: FullOrderConstants) -> tuple[str, ...]:
+def in_words(constants: FullOrderConstants) -> tuple[str, ...]:
     """Return the theorem in sentences: the set, its invariance, and what holds in it."""
-    first, last = shape.ends
-    names = [barrier.name for barrier in shape.barriers]
-    steps = "; ".join(f"{_tightened(b)} >= {b.sigma!r} V" for b in shape.barriers)
+    first, last = constants.ends
+    names = [barrier.name for barrier in constants.barriers]
+    steps = "; ".join(f"{_tightened(b)} >= {b.sigma!r} V" for b in constants.barriers)
     square = float(STIFF) ** 2
     return (
         f"D is every full state with z2 > 0, phase from {first!r} to {last!r}, swing foot on or "
-        f"above the ground, sqrt(V) <= {_bound_in_words(shape)}, and {steps}; V is the sum of "
-        f"(dy/w)^2 + {square:g} (y + dy/w)^2 over {_outputs_in_words(shape)}, "
-        f"w = {shape.bandwidth!r} rad/s",
+        f"above the ground, sqrt(V) <= {_bound_in_words(constants)}, and {steps}; V is the sum of "
+        f"(dy/w)^2 + {square:g} (y + dy/w)^2 over {_outputs_in_words(constants)}, "
+        f"w = {constants.bandwidth!r} rad/s",
         "under exact input-output linearisation, ddy = -w^2 y - 2 w dy, in continuous time, every "
         "trajectory that starts in D stays in D between impacts, meets the ground once and "
         "transversally in each step, and is in D after the impact: it walks for ever",
@@ -168,20 +173,20 @@ def in_words(shape: FullOrderConstants) -> tuple[str, ...]:
     )
 
 
-def _bound_in_words(shape: FullOrderConstants | None = None) -> str:
+def _bound_in_words(constants: FullOrderConstants | None = None) -> str:
     """Describe the bound on sqrt(V) along the phase."""
-    if shape is None:
+    if constants is None:
         return "floor + (radius - floor) exp(-shrink phase^2)"
-    radius, shrink, floor = shape.radius, shape.shrink, shape.least_radius
+    radius, shrink, floor = constants.radius, constants.shrink, constants.least_radius
     if floor == 0.0:
         return f"{radius!r} exp(-{shrink!r} phase^2)"
     return f"{floor!r} + ({radius!r} - {floor!r}) exp(-{shrink!r} phase^2)"
 
 
-def _outputs_in_words(shape: FullOrderConstants) -> str:
-    if not shape.weights:
+def _outputs_in_words(constants: FullOrderConstants) -> str:
+    if not constants.weights:
         return "the outputs"
-    rows = weighting(shape.weights, joints_of(shape.weights) or 0)
+    rows = weighting(constants.weights, joints_of(constants.weights) or 0)
     return f"the elements of S times the outputs, S = {rows!r}"
 
 

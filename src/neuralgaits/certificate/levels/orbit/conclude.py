@@ -15,50 +15,52 @@ from neuralgaits.certificate.premises import Bounds, above, below, missing_premi
 from neuralgaits.records.certified import Conclusion
 
 
-def attraction(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds) -> Conclusion:
+def attraction(walking: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds) -> Conclusion:
     """Conclude that one enclosed periodic orbit attracts the walking set; rests on level 2.
 
     Args:
-        shape: parameters of the set.
+        walking: parameters of the set.
         orbit: thin tube and bounds on the expansion.
         bounds: proved bounds.
     """
-    missing = next(_obstacles(shape, orbit, bounds), None)
+    missing = next(_obstacles(walking, orbit, bounds), None)
     if missing is not None:
         return Conclusion(3, "undecided", missing)
-    if shape.told:
-        return _any_two_walks(shape, orbit, bounds)
+    if walking.told:
+        return _any_two_walks(walking, orbit, bounds)
     if orbit.attraction == "contraction alone":
-        return _contraction_alone(shape, orbit, bounds)
-    return _enclosed_orbit(shape, orbit, bounds)
+        return _contraction_alone(walking, orbit, bounds)
+    return _enclosed_orbit(walking, orbit, bounds)
 
 
-def _obstacles(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds) -> Iterator[str]:
+def _obstacles(
+    walking: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
+) -> Iterator[str]:
     """Yield what stands against the arithmetic; each rests on all before it being absent."""
-    if not orbit.complete or bool(shape.told) != (orbit.attraction == "any two walks"):
+    if not orbit.complete or bool(walking.told) != (orbit.attraction == "any two walks"):
         yield "its parameters are not those of its kind of attraction"
-    yield from missing_premises(orbit_premises(shape, orbit), bounds)
-    if shape.told or orbit.attraction == "contraction alone":
+    yield from missing_premises(orbit_premises(walking, orbit), bounds)
+    if walking.told or orbit.attraction == "contraction alone":
         return
-    if shape.floor:
+    if walking.floor:
         yield "an orbit is enclosed for footholds as meant only"
-    if not (shape.falling < orbit.guard_from < orbit.guard_to <= shape.ends[1]):
+    if not (walking.falling < orbit.guard_from < orbit.guard_to <= walking.ends[1]):
         yield "the thin tube's guard is not where the foot falls"
 
 
 def _enclosed_orbit(
-    shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
+    walking: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
 ) -> Conclusion:
     """Conclude that one orbit, inside the thin tube, attracts the walking set."""
-    first, last = shape.ends
+    first, last = walking.ends
     thin = (orbit.guard_from, 0.0), (orbit.guard_to, 1.0)
     gains = bounds["orbit/reset-gain-low", *thin], -bounds["orbit/reset-gain-high", *thin]
     width = -bounds["orbit/width", (first, 0.0), (last, 0.0)]
-    over = _over(shape) * _end(orbit, shape)
+    over = _over(walking) * _end(orbit, walking)
     low = arb(gains[0]) * (_integral(orbit.slowest) - over).exp()
     high = arb(gains[1]) * (_integral(orbit.fastest) + over).exp()
     middle = [(2 * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
-    approach, why, doubt = _approach(shape, orbit, bounds, high)
+    approach, why, doubt = _approach(walking, orbit, bounds, high)
     figures = {
         "contraction_at_most": approach["contraction_at_most"],
         "multiplier_at_least": below(low),
@@ -87,14 +89,14 @@ def _enclosed_orbit(
 
 
 def _approach(
-    shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds, high: arb
+    walking: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds, high: arb
 ) -> tuple[dict[str, float], str, str | None]:
     """Bound how trajectories of the walking set approach the orbit.
 
     Returns: figures; why they approach it; a reason if that is not shown.
     """
-    gain = -bounds["orbit/gain", (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)]
-    over = _over(shape) * _end(orbit, shape)
+    gain = -bounds["orbit/gain", (1.0 - walking.guard_strip, 0.0), (walking.ends[1], 1.0)]
+    over = _over(walking) * _end(orbit, walking)
     contraction = arb(gain) * (_integral(orbit.expansion) + over).exp()
     figures = {"contraction_at_most": above(contraction)}
     if orbit.attraction != "nested tubes":
@@ -105,12 +107,12 @@ def _approach(
         doubt = f"the return map is not shown to contract: |P'| <= {above(contraction):.4g}"
         return figures, why, None if contraction < 1 else doubt
     shrinking = arb(gain) * (2 * over).exp()
-    shrinking *= _half_width(orbit, 1.0 - shape.guard_strip)
-    shrinking /= _half_width(orbit, shape.start_strip)
+    shrinking *= _half_width(orbit, 1.0 - walking.guard_strip)
+    shrinking /= _half_width(orbit, walking.start_strip)
     figures["tubes_shrink_by_at_most"] = above(shrinking)
     why = (
         "outside a thin tube around the orbit every trajectory gets nearer to it from phase "
-        f"{shape.start_strip!r} to {1.0 - shape.guard_strip!r}, and across the impact gets to "
+        f"{walking.start_strip!r} to {1.0 - walking.guard_strip!r}, and across the impact gets to "
         f"{at_most(above(shrinking), 4)} of its distance or less; inside it the return map "
         f"contracts to {at_most(above(high), 4)} or less"
     )
@@ -119,7 +121,7 @@ def _approach(
 
 
 def _contraction_alone(
-    shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
+    walking: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
 ) -> Conclusion:
     """Conclude that one attracting orbit exists, without an enclosure of it.
 
@@ -127,16 +129,16 @@ def _contraction_alone(
     Where the height of the next foothold is free, there is one map for each height; gain and series
     bound all of them, and two walks over equal heights approach each other at every step.
     """
-    strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
+    strip = (1.0 - walking.guard_strip, 0.0), (walking.ends[1], 1.0)
     gain = -arb(bounds["orbit/gain", *strip])
-    contraction = gain * (_integral(orbit.expansion) + _over(shape) * _end(orbit, shape)).exp()
+    contraction = gain * (_integral(orbit.expansion) + _over(walking) * _end(orbit, walking)).exp()
     figures = {"contraction_at_most": above(contraction)}
     if not contraction < 1:
         reason = f"the return map is not shown to contract: |P'| <= {above(contraction):.4g}"
         return Conclusion(3, "undecided", reason, (), figures)
     what = "there is one periodic orbit, and every trajectory of the undisturbed system in T "
     what += "converges to it"
-    if shape.floor:
+    if walking.floor:
         what = "any two trajectories of the undisturbed system in T whose footholds lie equally "
         what += "high, step by step, converge; where all lie as meant, to one periodic orbit"
     words = (
@@ -146,24 +148,26 @@ def _contraction_alone(
     return Conclusion(3, "proved", None, words, figures)
 
 
-def _any_two_walks(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds) -> Conclusion:
+def _any_two_walks(
+    walking: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
+) -> Conclusion:
     """Conclude that walks under the same commands converge.
 
     Along a step the series bounds how fast the zeta of two of them part. A reset carries a
     neighbour that is off by 1 to one that is off by `gain` in zeta and by `moved` metres in z1, on
     a flow that changes zeta by `along` a metre or less, whatever the next command is.
     """
-    last = shape.ends[1]
-    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    last = walking.ends[1]
+    strip = (1.0 - walking.guard_strip, 0.0), (last, 1.0)
     gain, shift, along = (
         -arb(bounds[name, *box])
         for name, box in (
             ("orbit/gain", strip),
             ("orbit/moved", strip),
-            ("orbit/along", shape.start),
+            ("orbit/along", walking.start),
         )
     )
-    parting = (_integral(orbit.expansion) + _over(shape) * _end(orbit, shape)).exp()
+    parting = (_integral(orbit.expansion) + _over(walking) * _end(orbit, walking)).exp()
     contraction = (gain + shift * along) * parting
     figures = {"contraction_at_most": above(contraction)}
     if not contraction < 1:
@@ -177,18 +181,18 @@ def _any_two_walks(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bo
     return Conclusion(3, "proved", None, words, figures)
 
 
-def _over(shape: WalkingSetConstants) -> arb:
+def _over(walking: WalkingSetConstants) -> arb:
     """Return by how many phases a step may be longer or shorter than 1."""
-    behind, before = arb(shape.ends[1]) - 1, 1 - arb(1.0 - shape.guard_strip)
-    return arb(shape.start_strip) + behind.max(before)
+    behind, before = arb(walking.ends[1]) - 1, 1 - arb(1.0 - walking.guard_strip)
+    return arb(walking.start_strip) + behind.max(before)
 
 
-def _end(orbit: OrbitConstants, shape: WalkingSetConstants) -> arb:
+def _end(orbit: OrbitConstants, walking: WalkingSetConstants) -> arb:
     """Bound the expansion series anywhere in T, and so on the strips.
 
     Where |x| <= X and X >= 1, no Chebyshev polynomial is larger than at X.
     """
-    edge = 1 + 2 * arb(shape.start_strip).max(arb(shape.ends[1]) - 1)
+    edge = 1 + 2 * arb(walking.start_strip).max(arb(walking.ends[1]) - 1)
     worst = arb(0)
     for series in filter(None, (orbit.expansion, orbit.slowest, orbit.fastest)):
         worst = worst.max(_value([abs(c) for c in series], edge))

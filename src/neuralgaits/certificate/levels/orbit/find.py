@@ -29,14 +29,8 @@ from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstan
 Fences = Callable[[np.ndarray], Float[np.ndarray, "n 2"]]
 """Function from phases to zeta on both fences, in the tube's unit."""
 
-DEGREES = (18, 24, 30, 36)
-"""Degrees of the orbit's series that are tried in turn."""
-DEFECT = 0.1
-"""Largest defect of the series in dzeta/dphase = F, as a share of the thin tube's slack."""
 BOUND_DEGREE = 12
 """Degree of the series that bound dF/dzeta."""
-ROUNDS, SETTLED = 400, 1e-12
-"""Iterations of the fixed point, and the relative change that ends them."""
 Z2_WIDTH = 1e-3
 """Width to which the orbit is enclosed [kg m^2/s]."""
 THIN_ROOM = 0.02
@@ -82,23 +76,26 @@ class OrbitProposal(NamedTuple):
     least: Mapping[str, float]
 
 
-def find_orbit(flow: ChartFlow, shape: WalkingSetConstants) -> OrbitProposal | str:
+def find_orbit(flow: ChartFlow, walking: WalkingSetConstants) -> OrbitProposal | str:
     """Return a thin tube and bounds, or a sentence with the reason why there are none.
 
     Args:
         flow: of the gait.
-        shape: parameters of the walking set.
+        walking: parameters of the walking set.
     """
-    for degree in DEGREES:
-        orbit = _periodic(flow, _nodes(shape, degree), degree)
+    degrees = (18, 24, 30, 36)  # Degrees of the orbit's series that are tried in turn.
+    # Largest defect of the series in dzeta/dphase = F, as a share of the thin tube's slack.
+    largest_defect = 0.1
+    for degree in degrees:
+        orbit = _periodic(flow, _nodes(walking, degree), degree)
         if orbit is None:
             return "no periodic orbit was found in the tube"
-        thin = _thin(flow, shape, orbit)
+        thin = _thin(flow, walking, orbit)
         if isinstance(thin, str):
             return thin
-        if _defect(flow, orbit, shape) < DEFECT * thin.spare:
+        if _defect(flow, orbit, walking) < largest_defect * thin.spare:
             break
-    nodes = _nodes(shape, degree)
+    nodes = _nodes(walking, degree)
     parting = flow.evaluate(flow.points(orbit.series, nodes))["expansion"]
     width = fitted(nodes, thin.half, degree)
     middle = fitted(nodes, parting, BOUND_DEGREE)
@@ -124,26 +121,26 @@ def find_orbit(flow: ChartFlow, shape: WalkingSetConstants) -> OrbitProposal | s
     return OrbitProposal(constants, least)
 
 
-def find_contraction(evaluate: Evaluator, shape: WalkingSetConstants) -> OrbitProposal | str:
+def find_contraction(evaluate: Evaluator, walking: WalkingSetConstants) -> OrbitProposal | str:
     """Return bounds on how walks part, or a sentence with the reason why there are none.
 
     Args:
         evaluate: from points of (phase, level) to quantities, for many commands or robots at each.
-        shape: parameters of the walking set.
+        walking: parameters of the walking set.
     """
-    phases, levels = np.linspace(*shape.ends, 61), np.linspace(0.0, 1.0, 5)
+    phases, levels = np.linspace(*walking.ends, 61), np.linspace(0.0, 1.0, 5)
     series = series_above(phases, _largest(evaluate, phases, levels), BOUND_DEGREE)
-    ends = np.linspace(1.0 - shape.guard_strip, 1.0 + shape.guard_strip, 3)
+    ends = np.linspace(1.0 - walking.guard_strip, 1.0 + walking.guard_strip, 3)
     guard = evaluate(grid(ends, levels))
-    gain = float(np.abs(guard["moved_zeta" if shape.told else "gain"]).max())
+    gain = float(np.abs(guard["moved_zeta" if walking.told else "gain"]).max())
     contraction = gain * np.exp(over_a_step(series))
     if not contraction < COMFORT:
         return f"walks do not converge: a step makes {contraction:.4g} of 1 at the worst"
     # Most of what is left is given away, more of it where bounds are hardest to get.
     room = -np.log(contraction)
-    series[0] += (0.6 if shape.told else 0.3) * room
+    series[0] += (0.6 if walking.told else 0.3) * room
     least = {"orbit/gain": -gain * float(np.exp(0.2 * room))}
-    if not shape.told:
+    if not walking.told:
         alone = OrbitConstants("contraction alone", expansion=coefficients(series))
         return OrbitProposal(alone, least)
     first = evaluate(np.stack([np.zeros_like(levels), levels], axis=1))
@@ -174,10 +171,10 @@ class _ThinTube(NamedTuple):
     largest: float
 
 
-def _thin(flow: ChartFlow, shape: WalkingSetConstants, orbit: "_Orbit") -> _ThinTube | str:
-    """Return the thin tube's shape: as wide at each phase as neighbours part, and a little more."""
-    nodes = _nodes(shape, len(orbit.series) - 1)
-    bound, largest = _bounds(flow.evaluate, shape, float(orbit.guard[0, 0]))
+def _thin(flow: ChartFlow, walking: WalkingSetConstants, orbit: "_Orbit") -> _ThinTube | str:
+    """Return the thin tube's form: as wide at each phase as neighbours part, and a little more."""
+    nodes = _nodes(walking, len(orbit.series) - 1)
+    bound, largest = _bounds(flow.evaluate, walking, float(orbit.guard[0, 0]))
     parting = flow.evaluate(flow.points(orbit.series, nodes))["expansion"]
     gain = abs(float(flow.evaluate(orbit.guard)["gain"][0]))
     multiplier = gain * np.exp(over_a_step(fitted(nodes, parting, BOUND_DEGREE)))
@@ -233,25 +230,25 @@ def _crossing(flow: ChartFlow, curves: Sequence[np.ndarray], phase: float) -> tu
     return phase - 2.0 * width, phase + 2.0 * width
 
 
-def _nodes(shape: WalkingSetConstants, degree: int) -> np.ndarray:
+def _nodes(walking: WalkingSetConstants, degree: int) -> np.ndarray:
     """Return the phases at which a series is fitted, the strips included."""
-    first, last = shape.ends
+    first, last = walking.ends
     return first + 0.5 * (last - first) * (chebyshev.chebpts1(2 * degree + 1) + 1.0)
 
 
-def _defect(flow: ChartFlow, orbit: _Orbit, shape: WalkingSetConstants) -> float:
+def _defect(flow: ChartFlow, orbit: _Orbit, walking: WalkingSetConstants) -> float:
     """Return how far a curve is from a solution, at the worst of many phases."""
-    phases = np.linspace(*shape.ends, 301)
+    phases = np.linspace(*walking.ends, 301)
     slope = flow.slope(flow.points(orbit.series, phases))
     along = 2.0 * chebyshev.chebval(2.0 * phases - 1.0, chebyshev.chebder(orbit.series))
     return float(np.max(np.abs(slope - along)))
 
 
 def _bounds(
-    evaluate: Evaluator, shape: WalkingSetConstants, guard: float
+    evaluate: Evaluator, walking: WalkingSetConstants, guard: float
 ) -> tuple[np.ndarray, float]:
     """Return series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
-    levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
+    levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*walking.ends, 121)
     room = 0.03  # Slack of the bound on dF/dzeta [1/phase]: less would cost more boxes.
     series = series_above(phases, _largest(evaluate, phases, levels), BOUND_DEGREE, room)
     gains = evaluate(np.stack([np.full_like(levels, guard), levels], axis=1))["gain"]
@@ -279,7 +276,9 @@ def _iterated(flow: ChartFlow, nodes: np.ndarray, degree: int, share: float) -> 
     constant = np.eye(1, degree + 1)[0]
     middle = fitted(nodes, np.mean(flow.fences(nodes), axis=1), degree)
     orbit = _Orbit(middle, np.array([[1.0, 0.5]]))
-    for _ in range(ROUNDS):
+    most_rounds = 400  # Iterations of the fixed point.
+    settled = 1e-12  # Relative change that ends them.
+    for _ in range(most_rounds):
         crossing = orbit.guard[:, 0]
         points = flow.points(orbit.series, np.concatenate([nodes, crossing]))
         quantities = flow.evaluate(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
@@ -294,7 +293,7 @@ def _iterated(flow: ChartFlow, nodes: np.ndarray, degree: int, share: float) -> 
             return None
         ahead = np.clip(crossing - step, 0.9, 1.05)
         orbit = _Orbit(series, flow.points(series, ahead))
-        if change < SETTLED * abs(series[0]) and abs(step) < SETTLED:
+        if change < settled * abs(series[0]) and abs(step) < settled:
             levels = flow.points(series, nodes)[:, 1]
             return orbit if np.all((levels > 0.0) & (levels < 1.0)) else None
     return None

@@ -12,11 +12,8 @@ Attraction = Literal["contraction", "nested tubes", "contraction alone", "any tw
 """Reason why the orbit attracts all of the walking set: see `conclude`. The last two enclose no
 orbit. On every robot of a box the return map contracts, so each has one of its own; for a gait with
 commands, walks under the same commands converge."""
-TUBELESS_ATTRACTIONS = "contraction alone", "any two walks"
 ORBIT, RETURN_MAP = "orbit", "return map"
 """Labels of the statements that level 3 rests on."""
-_RETURN_MAP_OUTPUTS = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
-"""Outputs of level 3 in the walking set's chart; the others are in the thin tube's."""
 
 
 @dataclass(frozen=True)
@@ -48,22 +45,22 @@ class OrbitConstants:
     def complete(self) -> bool:
         """Return whether all series exist that its kind of attraction needs."""
         thin = (self.lower, self.upper, self.slowest, self.fastest)
-        if self.attraction in TUBELESS_ATTRACTIONS:
+        if self.attraction in ("contraction alone", "any two walks"):
             return bool(self.expansion) and not any(thin)
         return bool(self.expansion) and all(thin)
 
 
-def orbit_premises(shape: WalkingSetConstants, orbit: OrbitConstants) -> list[Premise]:
+def orbit_premises(walking: WalkingSetConstants, orbit: OrbitConstants) -> list[Premise]:
     """Return the premises of level 3 beside those of level 2."""
     if orbit.attraction == "any two walks":
-        return _of_any_two_walks(shape)
-    first, last = shape.ends
+        return _two_walk_premises(walking)
+    first, last = walking.ends
     whole = (first, 0.0), (last, 1.0)
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
-    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    strip = (1.0 - walking.guard_strip, 0.0), (last, 1.0)
     before, behind = orbit.guard_from, orbit.guard_to
     thin_strip = (before, 0.0), (behind, 1.0)
-    between = (shape.start_strip, 0.0), (1.0 - shape.guard_strip, 1.0)
+    between = (walking.start_strip, 0.0), (1.0 - walking.guard_strip, 1.0)
     contracting = [
         Premise("orbit/expansion", *whole, sign="not negative"),
         Premise("orbit/gain", *strip, sign="any"),
@@ -91,21 +88,23 @@ def orbit_premises(shape: WalkingSetConstants, orbit: OrbitConstants) -> list[Pr
     ]
 
 
-def _of_any_two_walks(shape: WalkingSetConstants) -> list[Premise]:
+def _two_walk_premises(walking: WalkingSetConstants) -> list[Premise]:
     """Return the premises that bound how walks part in a step and a reset, for all commands."""
-    first, last = shape.ends
-    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    first, last = walking.ends
+    strip = (1.0 - walking.guard_strip, 0.0), (last, 1.0)
     return [
         Premise("orbit/expansion", (first, 0.0), (last, 1.0), sign="not negative"),
         Premise("orbit/gain", *strip, sign="any"),
         Premise("orbit/moved", *strip, sign="any"),
-        Premise("orbit/along", *shape.start, sign="any"),
+        Premise("orbit/along", *walking.start, sign="any"),
     ]
 
 
 def labelled_premises(
-    shape: WalkingSetConstants, orbit: OrbitConstants
+    walking: WalkingSetConstants, orbit: OrbitConstants
 ) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises of level 3 beside level 2."""
-    for output, low, high, _ in orbit_premises(shape, orbit):
-        yield RETURN_MAP if output in _RETURN_MAP_OUTPUTS else ORBIT, output, low, high
+    # Outputs of level 3 in the walking set's chart; the others are in the thin tube's.
+    return_map_outputs = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
+    for output, low, high, _ in orbit_premises(walking, orbit):
+        yield RETURN_MAP if output in return_map_outputs else ORBIT, output, low, high

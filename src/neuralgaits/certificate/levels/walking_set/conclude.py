@@ -26,18 +26,18 @@ from neuralgaits.certificate.premises import (
 from neuralgaits.records.certified import Conclusion
 
 
-def walking(shape: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Conclusion:
+def walking(constants: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Conclusion:
     """Conclude that the walking set is forward invariant, and safe.
 
     Args:
-        shape: parameters of the set.
+        constants: parameters of the set.
         boxes: (condition, low, high) of every box of every condition of the spec.
         bounds: proved bounds.
     """
-    missing = next(_obstacles(shape, boxes, bounds), None)
+    missing = next(_obstacles(constants, boxes, bounds), None)
     if missing is not None:
         return Conclusion(2, "undecided", missing)
-    first, last = shape.ends
+    first, last = constants.ends
     whole = (first, 0.0), (last, 1.0)
     # By C1 a step takes no longer than T's phases over their least rate.
     pace = bounds["set/forward", *whole]
@@ -47,42 +47,42 @@ def walking(shape: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Conclus
         "forward_at_least_per_s": pace,
         "inertia_at_least_kg_m": bounds["set/inertia", *whole],
         "relative_width": bounds["set/width", (first, 0.0), (last, 0.0)],
-        "foot_falls_at_least_m_s": bounds["set/foot-falls", (shape.falling, 0.0), whole[1]],
+        "foot_falls_at_least_m_s": bounds["set/foot-falls", (constants.falling, 0.0), whole[1]],
     }
-    unsafe = [premise for premise in safe_premises(shape) if first_missing([premise], bounds)]
-    words = walking_words(shape, boxes, figures["step_time_at_most_s"], not unsafe)
+    unsafe = [premise for premise in safe_premises(constants) if first_missing([premise], bounds)]
+    words = walking_words(constants, boxes, figures["step_time_at_most_s"], not unsafe)
     return Conclusion(2, "proved", None, words, figures)
 
 
-def _obstacles(shape: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Iterator[str]:
+def _obstacles(constants: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Iterator[str]:
     """Yield what stands against the conclusion; each rests on all before it being absent."""
     # Level 1 on the tube, and C7 on the strips.
-    needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
-    yield from missing_premises([*walking_premises(shape), *needed], bounds)
+    needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(constants, boxes))]
+    yield from missing_premises([*walking_premises(constants), *needed], bounds)
     condition_names = {name for name, *_ in boxes}
-    for name in {*shape.carried, *shape.barriers} - condition_names:
+    for name in {*constants.carried, *constants.barriers} - condition_names:
         yield f"there is no statement about {name}"
-    if not (0.0 < shape.start_strip < 0.1 and 0.0 < shape.guard_strip < 0.1):
+    if not (0.0 < constants.start_strip < 0.1 and 0.0 < constants.guard_strip < 0.1):
         yield "strips outside (0, 0.1)"
-    if not 0.0 < shape.risen <= shape.falling < 1.0 - shape.guard_strip:
+    if not 0.0 < constants.risen <= constants.falling < 1.0 - constants.guard_strip:
         yield "phases of rise and fall that are not in order"
-    if not shape.floor >= 0.0:
+    if not constants.floor >= 0.0:
         yield "a floor with a negative bound"
-    if shape.floor and shape.told:
+    if constants.floor and constants.told:
         yield "a floor of unknown height and commands together"
     # C3 and C4: the foot is more than the floor's H above, or below, the line of footholds.
-    for output, low, high, _ in off_the_line(shape):
-        if not bounds[output, low, high] > shape.floor:
-            yield f"{output} from {low} to {high} is not above {shape.floor!r} m"
-    if not min(shape.disturbance) >= 0.0:
+    for output, low, high, _ in off_the_line(constants):
+        if not bounds[output, low, high] > constants.floor:
+            yield f"{output} from {low} to {high} is not above {constants.floor!r} m"
+    if not min(constants.disturbance) >= 0.0:
         yield "a disturbance with a negative bound"
     # C5.
-    outside = _why_not_inside(shape, bounds)
+    outside = _why_not_inside(constants, bounds)
     if outside is not None:
         yield outside
 
 
-def _why_not_inside(shape: WalkingSetConstants, bounds: Bounds) -> str | None:
+def _why_not_inside(constants: WalkingSetConstants, bounds: Bounds) -> str | None:
     """Explain where a reset may land outside T; None if it cannot.
 
     For a gait with commands, a reset lands at a distance d from the start of the next step, and
@@ -90,17 +90,17 @@ def _why_not_inside(shape: WalkingSetConstants, bounds: Bounds) -> str | None:
     and for every next command, a fence is less than start_strip x steepness widths from its place
     at phase 0.
     """
-    strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
+    strip = (1.0 - constants.guard_strip, 0.0), (constants.ends[1], 1.0)
     outside = "a reset may land outside the strip around the start of a step"
-    if not shape.told:
-        inside = bounds["set/reset-phase", *strip] > -shape.start_strip
+    if not constants.told:
+        inside = bounds["set/reset-phase", *strip] > -constants.start_strip
         return None if inside else outside
     origin = (0.0, 0.0), (0.0, 0.0)
-    around = (-shape.start_strip, 0.0), (shape.start_strip, 0.0)
+    around = (-constants.start_strip, 0.0), (constants.start_strip, 0.0)
     place, stride = -arb(bounds["set/reset-place", *strip]), arb(bounds["set/stride", *origin])
-    if not place < arb(shape.start_strip) * stride:
+    if not place < arb(constants.start_strip) * stride:
         return outside
-    level_shift = -arb(bounds["set/steepness", *around]) * arb(shape.start_strip)
+    level_shift = -arb(bounds["set/steepness", *around]) * arb(constants.start_strip)
     if not arb(bounds["set/inlet", *strip]) > level_shift:
         return "a reset may land outside the fences of a step under another command"
     return None

@@ -13,24 +13,16 @@ from neuralgaits.certificate.level_target import Evaluator, grid
 from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSetConstants
 from neuralgaits.gait.commands import all_pairs
 
-PHASES, LEVELS = 241, 33
 STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
 """Half widths tried around the guard, in phases. A gait that meets the ground farther from phase 1
 than the last one is not supported."""
-WIDE_STRIPS = (*STRIPS, *(0.001 * k for k in range(32, 100, 2)))
-"""Half widths tried where footholds may be higher or lower than meant, up to the chart's ends."""
 CLEAR = 1e-12
 """Height that the foot must have before and behind the guard's strip [m]; it exceeds rounding
 errors."""
-FEW_PHASES, FEW_LEVELS, PAIRS, CHUNK = 61, 5, 5, 4096
-"""Numbers of phases and levels, of values of each command axis, and of points evaluated at once."""
-CORNERS = 8
-"""Number of corners of a box of robots that are evaluated."""
-TOLD = 1.5
-"""Phases that a reset may land in per phase seen, apart from the change of lengths."""
-DIGITS = 3
-"""Significant digits of the strip before a step, which a statement gives exactly, for people to
-read."""
+FEW_PHASES, FEW_LEVELS = 61, 5
+"""Numbers of phases and levels that are evaluated for each of many commands or robots."""
+PAIRS = 5
+"""Number of values of each command axis."""
 ROOM = 1.2
 """Factor from values seen at points to the bounds that enclose constants."""
 SHARE = 0.5
@@ -48,13 +40,15 @@ def find_set(
     For a gait with commands they are those of the worst pair that is evaluated.
     """
     command_names = tuple(command.name for command in spec.commands)
-    count, levels = PHASES, np.linspace(0.0, 1.0, LEVELS)
+    count, levels = 241, np.linspace(0.0, 1.0, 33)
     if command_names:
         evaluate = over_all(spec, evaluate)
         count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
     elif spec.parameters:
         evaluate, levels = over_all(spec, evaluate), np.linspace(0.0, 1.0, FEW_LEVELS)
-    widths = WIDE_STRIPS if floor else STRIPS
+    # Half widths tried where footholds may be higher or lower than meant, up to the chart's ends.
+    wide_strips = (*STRIPS, *(0.001 * k for k in range(32, 100, 2)))
+    widths = wide_strips if floor else STRIPS
     # With commands more than the spread of bounds over them [m].
     clear = 5e-5 if command_names else CLEAR
     strip = _guard_strip(evaluate, levels, floor * ROOM**0.5 + clear, widths)
@@ -68,8 +62,12 @@ def find_set(
     quantities = evaluate(guard)
     landed = np.abs(quantities["after"][:, 0]).max()
     stride = quantities["stride"]
-    spread = TOLD * stride.max() / stride.min() if command_names else 2.0
-    start_strip = float(at_most((ROOM if floor else spread) * landed + 1e-9, DIGITS))
+    # Phases that a reset may land in per phase seen, apart from the change of lengths.
+    phases_per_phase = 1.5
+    spread = phases_per_phase * stride.max() / stride.min() if command_names else 2.0
+    # Few digits, since a statement gives the strip before a step exactly, for people to read.
+    digits = 3
+    start_strip = float(at_most((ROOM if floor else spread) * landed + 1e-9, digits))
     if not start_strip < widths[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
     phases = np.linspace(0.0, 1.0, count)
@@ -105,13 +103,18 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def least_of_inlet(
-    spec: GaitSpec, evaluate: Evaluator, shape: WalkingSetConstants
+    spec: GaitSpec, evaluate: Evaluator, constants: WalkingSetConstants
 ) -> Mapping[str, float]:
     """Return the lower bounds that outputs which enclose constants must reach."""
-    if not shape.told:
-        return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
+    if not constants.told:
+        return {
+            "set/reset-phase": -constants.start_strip,
+            **dict.fromkeys(OFF_THE_LINE, constants.floor),
+        }
     over = over_all(spec, evaluate)
-    quantities = over(grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
+    quantities = over(
+        grid(np.array([-constants.start_strip, 0.0, constants.start_strip]), np.zeros(1))
+    )
     phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
     pace = float(over(grid(phases, levels))["pace"].min())
     steep, stride = (
@@ -121,9 +124,9 @@ def least_of_inlet(
     return {
         "set/forward": SHARE * pace,
         "set/stride": stride / ROOM**0.5,
-        "set/reset-place": -shape.start_strip * stride / ROOM,
+        "set/reset-place": -constants.start_strip * stride / ROOM,
         "set/steepness": -steep,
-        "set/inlet": ROOM * shape.start_strip * steep,
+        "set/inlet": ROOM * constants.start_strip * steep,
     }
 
 
@@ -135,7 +138,8 @@ def over_all(spec: GaitSpec, evaluate: Evaluator) -> Evaluator:
     pairs, robots = all_pairs(spec.commands, PAIRS), np.zeros((1, len(spec.parameters)))
     if spec.parameters:
         halves = np.array([axis.half for axis in spec.parameters])
-        signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(halves)))
+        most_corners = 8  # Number of corners of a box of robots that are evaluated.
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (most_corners, len(halves)))
         # With few parameters many of them are one robot.
         robots = np.concatenate([robots, halves * np.unique(signs, axis=0)])
     both = np.hstack([np.repeat(pairs, len(robots), axis=0), np.tile(robots, (len(pairs), 1))])
@@ -148,7 +152,8 @@ def _with_each(values: np.ndarray, evaluate: Evaluator) -> Evaluator:
     def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
         rows = np.repeat(u, len(values), axis=0)
         rows = np.hstack([rows, np.tile(values, (len(u), 1))])
-        parts = [evaluate(rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)]
+        at_once = 4096  # Points that are evaluated at once.
+        parts = [evaluate(rows[i : i + at_once]) for i in range(0, len(rows), at_once)]
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
     return over

@@ -24,7 +24,11 @@ from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 
 
 def margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSetConstants, u: Float[Array, " n"]
+    spec: GaitSpec,
+    gait: Gait,
+    zd: ZeroDynamics,
+    constants: WalkingSetConstants,
+    u: Float[Array, " n"],
 ) -> dict[str, Float[Array, "..."]]:
     """Return margins of the walking set at one chart point, by output name.
 
@@ -33,7 +37,7 @@ def margins(
     """
     z = gait.z(u[:PLANE])
     point = zd.point(z)
-    pushed = [moved.point(z) for moved in disturbed(zd, shape.disturbance)]
+    pushed = [moved.point(z) for moved in disturbed(zd, constants.disturbance)]
     falls = jnp.stack([p.foot_lift_rate for p in pushed])
     inward = [gait.inward(p.z, p.dz) for p in pushed]
     low, high = jnp.sqrt(2.0 * gait.tube.fences(u[0]))
@@ -52,13 +56,13 @@ def margins(
         "set/foot-falls": -falls,
     }
     # C5.
-    margins_by_name |= _inlet(gait, point, u[0]) if shape.told else _reset(gait, point)
+    margins_by_name |= _inlet(gait, point, u[0]) if constants.told else _reset(gait, point)
     # C6.
     for barrier in barriers(spec):
-        if not shape.told:
+        if not constants.told:
             margins_by_name[f"set/after {barrier.name}"] = barrier.function(point.after)
         margins_by_name[f"set/value {barrier.name}"] = barrier.function(point)
-        if any(shape.disturbance):
+        if any(constants.disturbance):
             margins_by_name[f"set/rate {barrier.name}"] = _pushed_rates(barrier, zd, z, pushed)
     return margins_by_name
 

@@ -27,7 +27,7 @@ def ends(gait: Gait, phases: tuple[float, float], z: ZeroState) -> list[Scalar]:
 def walking_membership(
     gait: Gait,
     zd: ZeroDynamics,
-    shape: WalkingSetConstants,
+    constants: WalkingSetConstants,
     unproved: tuple[Barrier, ...],
     z: ZeroState,
 ) -> dict[str, Float[Array, "..."]]:
@@ -36,7 +36,7 @@ def walking_membership(
     Args:
         gait: gait of the step.
         zd: its zero dynamics.
-        shape: constants of the set.
+        constants: constants of the set.
         unproved: barriers that are not proved on all of T; the set is then its part on which they
             are not negative.
         z: state (m, kg m^2/s). [2]
@@ -47,6 +47,6 @@ def walking_membership(
     level = gait.level(z)
     walls = [jnp.ravel(barrier.function(zd.point(z))) for barrier in unproved]
     return {
-        "ends": jnp.stack(ends(gait, shape.ends, z)),
+        "ends": jnp.stack(ends(gait, constants.ends, z)),
         "walls": jnp.concatenate([jnp.stack([level, 1.0 - level]), *walls]),
     }

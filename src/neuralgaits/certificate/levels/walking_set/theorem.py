@@ -62,52 +62,52 @@ class WalkingSetConstants:
         return -self.start_strip, 1.0 + self.guard_strip
 
 
-def walking_premises(shape: WalkingSetConstants) -> list[Premise]:
+def walking_premises(constants: WalkingSetConstants) -> list[Premise]:
     """Return premises of level 2 about the set itself; for the spec's conditions see `strips`."""
-    first, last = shape.ends
-    before = 1.0 - shape.guard_strip
+    first, last = constants.ends
+    before = 1.0 - constants.guard_strip
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
     rows = [
         # C1: dphi/dt > 0 and |J.s| > 0 on T.
-        Premise("set/forward", *shape.whole),
-        Premise("set/inertia", *shape.whole),
+        Premise("set/forward", *constants.whole),
+        Premise("set/inertia", *constants.whole),
         Premise("set/width", *lower),
         # C2: on both fences the flow points inward.
         Premise("set/fence-lower", *lower),
         Premise("set/fence-upper", *upper),
         # C4: the foot rises until `risen` and is above the ground until it falls.
-        Premise("set/foot-rises", (first, 0.0), (shape.risen, 1.0)),
-        Premise("set/foot-above", (shape.risen, 0.0), (shape.falling, 1.0)),
+        Premise("set/foot-rises", (first, 0.0), (constants.risen, 1.0)),
+        Premise("set/foot-above", (constants.risen, 0.0), (constants.falling, 1.0)),
         # C3: it falls from `falling` on, is above at phase 1 - g and below at 1 + g.
-        Premise("set/foot-falls", (shape.falling, 0.0), (last, 1.0)),
+        Premise("set/foot-falls", (constants.falling, 0.0), (last, 1.0)),
         Premise("set/foot-above", (before, 0.0), (before, 1.0)),
         Premise("set/foot-below", (last, 0.0), (last, 1.0)),
         # C5: the reset lands between the fences, within s of phase 0.
-        *(_inlet(shape) if shape.told else _reset(shape)),
+        *(_inlet(constants) if constants.told else _reset(constants)),
     ]
-    for name in shape.barriers:
+    for name in constants.barriers:
         # Where a step is told commands, nothing that is read behind a reset may depend on those
         # that come next: the function is asked on the strip that every reset lands in.
         # C6, after the reset: h >= 0.
-        if shape.told:
-            after = Premise(f"set/value {name}", *shape.start, sign="not negative")
+        if constants.told:
+            after = Premise(f"set/value {name}", *constants.start, sign="not negative")
         else:
-            after = Premise(f"set/after {name}", *shape.guard, sign="not negative")
+            after = Premise(f"set/after {name}", *constants.guard, sign="not negative")
         rows.append(after)
-        if any(shape.disturbance):
-            rows.append(Premise(f"set/rate {name}", *shape.whole, sign="not negative"))
+        if any(constants.disturbance):
+            rows.append(Premise(f"set/rate {name}", *constants.whole, sign="not negative"))
     return rows
 
 
-def _reset(shape: WalkingSetConstants) -> list[Premise]:
+def _reset(constants: WalkingSetConstants) -> list[Premise]:
     """Return premises for the place where a reset lands, in the chart of the only tube."""
     return [
-        Premise("set/reset-phase", *shape.guard, sign="any"),
-        Premise("set/reset-level", *shape.guard),
+        Premise("set/reset-phase", *constants.guard, sign="any"),
+        Premise("set/reset-level", *constants.guard),
     ]
 
 
-def _inlet(shape: WalkingSetConstants) -> list[Premise]:
+def _inlet(constants: WalkingSetConstants) -> list[Premise]:
     """Return premises for a reset into the tube of the next step, whatever its command is.
 
     At phase 0 the tube depends only on the command before, which is known. A reset lands a little
@@ -117,64 +117,67 @@ def _inlet(shape: WalkingSetConstants) -> list[Premise]:
     """
     origin = (0.0, 0.0), (0.0, 0.0)
     return [
-        Premise("set/reset-place", *shape.guard, sign="any"),
-        Premise("set/inlet", *shape.guard),
+        Premise("set/reset-place", *constants.guard, sign="any"),
+        Premise("set/inlet", *constants.guard),
         Premise("set/stride", *origin),
         Premise("set/within-bounds", *origin, sign="not negative"),
-        Premise("set/steepness", (-shape.start_strip, 0.0), (shape.start_strip, 0.0), sign="any"),
+        Premise(
+            "set/steepness", (-constants.start_strip, 0.0), (constants.start_strip, 0.0), sign="any"
+        ),
     ]
 
 
-def off_the_line(shape: WalkingSetConstants) -> list[Premise]:
+def off_the_line(constants: WalkingSetConstants) -> list[Premise]:
     """Return the premises of `walking_premises` whose bounds must exceed the floor's, and not 0."""
-    return [p for p in walking_premises(shape) if p.output in OFF_THE_LINE]
+    return [p for p in walking_premises(constants) if p.output in OFF_THE_LINE]
 
 
-def safe_premises(shape: WalkingSetConstants) -> list[Premise]:
+def safe_premises(constants: WalkingSetConstants) -> list[Premise]:
     """Return premises by which all of T is safe; without them only its safe part is invariant."""
     # C6, on T: h >= 0.
     return [
-        Premise(f"set/value {name}", *shape.whole, sign="not negative") for name in shape.barriers
+        Premise(f"set/value {name}", *constants.whole, sign="not negative")
+        for name in constants.barriers
     ]
 
 
 def strips(
-    shape: WalkingSetConstants, boxes: Sequence[tuple[str, Corner, Corner]]
+    constants: WalkingSetConstants, boxes: Sequence[tuple[str, Corner, Corner]]
 ) -> Iterator[tuple[str, Corner, Corner]]:
     """Return the boxes of the carried conditions beyond phases 0 and 1.
 
     Args:
-        shape: parameters of the set.
+        constants: parameters of the set.
         boxes: (condition, low, high) of level 1.
     """
     # C7: conditions of all of the tube hold on the strips as well.
     for name, low, high in boxes:
-        if name not in shape.carried:
+        if name not in constants.carried:
             continue
         if low[0] == high[0] == 1.0:
-            ahead, behind = 1.0 - shape.guard_strip, 1.0 + shape.guard_strip
+            ahead, behind = 1.0 - constants.guard_strip, 1.0 + constants.guard_strip
             yield name, (ahead, low[1]), (behind, high[1])
             continue
         if low[0] == 0.0:
             # A reset lands on either side of phase 0.
-            behind = shape.start_strip if high[0] == 0.0 else 0.0
-            yield name, (-shape.start_strip, low[1]), (behind, high[1])
+            behind = constants.start_strip if high[0] == 0.0 else 0.0
+            yield name, (-constants.start_strip, low[1]), (behind, high[1])
         if high[0] == 1.0:
-            yield name, (1.0, low[1]), (1.0 + shape.guard_strip, high[1])
+            yield name, (1.0, low[1]), (1.0 + constants.guard_strip, high[1])
 
 
 def labelled_premises(
-    shape: WalkingSetConstants, boxes: Boxes
+    constants: WalkingSetConstants, boxes: Boxes
 ) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises of level 2 beside level 1.
 
     Args:
-        shape: parameters of the set.
+        constants: parameters of the set.
         boxes: (condition, low, high) of level 1.
     """
-    for name, low, high in strips(shape, boxes):
+    for name, low, high in strips(constants, boxes):
         yield STRIPS, name, low, high
-    for output, low, high, _ in (*walking_premises(shape), *safe_premises(shape)):
+    for output, low, high, _ in (*walking_premises(constants), *safe_premises(constants)):
         yield SET, output, low, high
 
 

@@ -13,7 +13,7 @@ from neuralgaits.control.joint_model import FRICTION_RATE
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.control.speed_adapter import ADAPTED
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.standing import (
     StandingPostures,
     first_momentum,
@@ -161,8 +161,8 @@ def arrays(design: Design) -> list[Array]:
         rows.append(("friction", joints.friction, "dry, actuated joints, stance leg first [N m]"))
     postures, pd = _postures(design), Pd().with_gains_for(JointResponse(robot))
     rows += [
-        ("stand_stiffness", _of_leg(design, pd.stiffness), "joints of a leg [N m/rad]"),
-        ("stand_damping", _of_leg(design, pd.damping), "[N m s/rad]"),
+        ("stand_stiffness", _leg_gains(design, pd.stiffness), "joints of a leg [N m/rad]"),
+        ("stand_damping", _leg_gains(design, pd.damping), "[N m s/rad]"),
         ("stand_path", postures.path, "from standing to the first step, front leg first [rad]"),
         ("wide_path", postures.wide, "where a walk ends, leaning back and forward, likewise [rad]"),
         ("braking", postures.braking, "before that touchdown, rear leg first [rad]"),
@@ -179,7 +179,7 @@ def _postures(design: Design) -> StandingPostures:
     return standing_postures(design.robot) or StandingPostures.none_of(design.robot.n)
 
 
-def _of_leg(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]:
+def _leg_gains(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]:
     """Return a gain for each joint of a leg: the smaller of both legs, lowest joint first."""
     return np.min(np.abs(design.by_leg(np.array(gains))), axis=0)
 

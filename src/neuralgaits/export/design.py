@@ -1,4 +1,4 @@
-"""Facts about an exported controller: its parts and their origin."""
+"""Design of an exported controller: its parts and their origin."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
