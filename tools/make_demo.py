@@ -18,10 +18,14 @@ from pathlib import Path
 from neuralgaits._environment import prepare
 from neuralgaits.runs.packed import packed
 
-ROBOT, SEED, LEVEL = "amber3m", 0, 3
+ROBOT = "amber3m"
+SEED = 0
+LEVEL = 3
 NAME = "demo_run"
-TOLD, SPEED = "demo_speed_run", (0.55, 0.90)
-"""The run that is told its speed, in this range [m/s]."""
+COMMANDED = "demo_speed_run"
+"""The run that takes a command for its speed."""
+SPEED = (0.55, 0.90)
+"""Range of its speed [m/s]."""
 KEPT = (
     "config.json",
     "metrics.csv",
@@ -41,8 +45,9 @@ LARGEST_BYTES = 500_000
 def main() -> None:
     """Train and prove in a folder of its own: paths in the run's summaries are then relative."""
     prepare()
-    told, again = ("--speed" in sys.argv[1:]), ("--again" in sys.argv[1:])
-    name = TOLD if told else NAME
+    commanded = "--speed" in sys.argv[1:]
+    again = "--again" in sys.argv[1:]
+    name = COMMANDED if commanded else NAME
     target = Path(__file__).resolve().parents[1] / "src" / "neuralgaits" / name
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -50,7 +55,7 @@ def main() -> None:
         if again:
             _copy(target, run)
         else:
-            _train(run, SPEED if told else None)
+            _train(run, SPEED if commanded else None)
         _prove(run)
         shutil.rmtree(target, ignore_errors=True)
         for file in KEPT:

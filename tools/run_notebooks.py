@@ -20,10 +20,6 @@ from PIL import Image
 from neuralgaits.runs import write_text
 
 FOLDER = Path(__file__).parents[1] / "examples" / "notebooks"
-_SHOWN = (("_repr_png_", "image/png"), ("_repr_html_", "text/html"))
-"""What an object may show itself as, the richest first."""
-_COLOURS = 64
-"""Of a picture's palette."""
 
 
 def run(notebook: dict[str, Any], name: str) -> dict[str, Any]:
@@ -48,13 +44,14 @@ def _outputs(source: str, where: str, names: dict[str, Any], count: int) -> list
     """What was printed, and what the last line is if it is an expression."""
     tree = ast.parse(source, where)
     last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
-    said, value = io.StringIO(), None
-    with contextlib.redirect_stdout(said):
+    printed = io.StringIO()
+    value = None
+    with contextlib.redirect_stdout(printed):
         exec(compile(tree, where, "exec"), names)
         if isinstance(last, ast.Expr):
             value = eval(compile(ast.Expression(last.value), where, "eval"), names)
     outputs: list[dict[str, Any]] = []
-    if text := said.getvalue():
+    if text := printed.getvalue():
         outputs.append({"output_type": "stream", "name": "stdout", "text": _lines(text)})
     if value is not None:
         result = {"output_type": "execute_result", "execution_count": count, "metadata": {}}
@@ -64,7 +61,9 @@ def _outputs(source: str, where: str, names: dict[str, Any], count: int) -> list
 
 def _data(value: Any) -> dict[str, Any]:
     data: dict[str, Any] = {"text/plain": _lines(repr(value))}
-    for method, kind in _SHOWN:
+    # What an object may show itself as, the richest first.
+    forms = (("_repr_png_", "image/png"), ("_repr_html_", "text/html"))
+    for method, kind in forms:
         if hasattr(value, method):
             shown = getattr(value, method)()
             if isinstance(shown, bytes):
@@ -77,7 +76,7 @@ def _smaller(png: bytes) -> bytes:
     """The picture with few colours: a third of the size."""
     out = io.BytesIO()
     picture = Image.open(io.BytesIO(png)).convert("RGB")
-    picture.quantize(_COLOURS, Image.Quantize.MEDIANCUT).save(out, "PNG", optimize=True)
+    picture.quantize(64, Image.Quantize.MEDIANCUT).save(out, "PNG", optimize=True)
     return out.getvalue()
 
 

@@ -20,9 +20,6 @@ from neuralgaits.errors import InputError
 
 P = ParamSpec("P")
 Result = TypeVar("Result")
-_DEEPEST = 4
-"""Levels of lists and mappings that are looked at: settings have two."""
-_EVERY_ITEM = CollectionCheckStrategy.ALL_ITEMS
 
 
 def type_checked(function: Callable[P, Result]) -> Callable[P, Result]:
@@ -61,7 +58,9 @@ def typed(name: str, value: Any, hint: Any) -> Any:
     bare = typing.get_args(hint)[0] if marks_in(hint) else hint
     for one in (plain, tuple(plain)) if isinstance(plain, list) else (plain,):
         try:
-            converted = check_type(one, bare, collection_check_strategy=_EVERY_ITEM)
+            converted = check_type(
+                one, bare, collection_check_strategy=CollectionCheckStrategy.ALL_ITEMS
+            )
         except TypeCheckError:
             continue
         # Python counts True as 1.
@@ -85,7 +84,8 @@ def refuse_huge(name: str, value: Any, depth: int = 0) -> None:
         parts = value
     elif isinstance(value, Mapping):
         parts = value.values()
-    for one in parts if depth < _DEEPEST else ():
+    deepest = 4  # Levels of lists and mappings that are looked at: settings have two.
+    for one in parts if depth < deepest else ():
         refuse_huge(name, one, depth + 1)
 
 

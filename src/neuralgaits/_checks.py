@@ -8,13 +8,12 @@ from neuralgaits.errors import InputError
 MOST_WALKED = 1_000_000
 """Limit on the walking steps of an episode, and on episodes: a million steps are five days."""
 MOST_GRADIENT_STEPS = 10_000_000
-MOST_WIDTH, MOST_LAYERS = 4096, 8
-"""Limits on a policy's hidden layers: wider ones need more memory than a machine has."""
+MOST_WIDTH = 4096
+"""Limit on the width of a policy's hidden layers: wider ones need more memory than there is."""
+MOST_LAYERS = 8
+"""Limit on the number of a policy's hidden layers."""
 MOST_PUSH = 10_000.0
 """Largest impulse of a push [N s]: a car at walking pace."""
-BANDWIDTHS = 1.0, 1000.0
-"""Limits on the double pole of the outputs [rad/s]: slower ones outlast a step, and a controller
-at 1 kHz has none that are faster."""
 MOST_SEEDS = 10_000
 """Limit on the seeds of one command, each of which is a training."""
 SEEDS = 2**31
@@ -121,7 +120,8 @@ def check_disturbance(bounds: tuple[float, float]) -> None:
 
 def check_bandwidth(bandwidth: float) -> None:
     """Check a bandwidth (rad/s). Raises: InputError unless outputs can converge so fast."""
-    slowest, fastest = BANDWIDTHS
+    # Slower outputs outlast a step, and a controller at 1 kHz has none that are faster.
+    slowest, fastest = 1.0, 1000.0
     if not slowest <= bandwidth <= fastest:
         raise InputError(
             f"expected a bandwidth of {slowest:g} to {fastest:g} rad/s, found {bandwidth:g}: write "

@@ -14,9 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-C_COMPILERS = ("cc", "gcc", "clang")
 COMPILE_S = 300.0
-_VERSION_S = 60.0
 _SHOWN = 200
 
 
@@ -76,7 +74,7 @@ class Compiler:
         words = os.environ.get("CC", "").split()
         if words:
             return cls(tuple(words))
-        if compiler := cls.first_of(C_COMPILERS):
+        if compiler := cls.first_of(("cc", "gcc", "clang")):
             return compiler
         if importlib.util.find_spec("ziglang") is not None:
             return cls((sys.executable, "-m", "ziglang", "cc"))
@@ -194,6 +192,6 @@ def _loads(library: Path) -> bool:
 @cache
 def _version(command: tuple[str, ...]) -> str:
     try:
-        return _output([*command, "--version"], _VERSION_S).stdout
+        return _output([*command, "--version"], limit_s=60.0).stdout
     except (OSError, subprocess.TimeoutExpired):
         return ""

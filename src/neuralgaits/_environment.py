@@ -35,20 +35,6 @@ _USUAL = {
     "TF_CPP_MIN_LOG_LEVEL": "2",
 }
 """Variables of libraries where the user has set none, beside those of `prepare` itself."""
-OURS = frozenset(("JAX_ENABLE_X64", "JAX_COMPILATION_CACHE_DIR", *_USUAL))
-"""Variables of JAX that a command sets for itself."""
-_PLATFORM = ("JAX_PLATFORMS", "JAX_PLATFORM_NAME")
-"""Environment variables that name the platform that JAX computes on."""
-_HARMLESS = re.compile(
-    "JAX_(PLATFORM|LOG|TRACEBACK|ENABLE_COMPILATION_CACHE|COMPILATION_CACHE|PERSISTENT_CACHE"
-    "|CUDA_VISIBLE|ROCM_VISIBLE)"
-)
-"""Beginnings of variables that change nothing that JAX computes."""
-_OF_JAX = ("jax", "jaxlib", "equinox", "jaxtyping")
-_OF_MATPLOTLIB = ("MPLCONFIGDIR", "MATPLOTLIBRC")
-"""Environment variables with a folder of the user's settings for Matplotlib."""
-_NO_PLATFORM = re.compile("^(Unable to initialize|Unknown) backend ")
-"""Messages of JAX about one that is not there."""
 
 
 def prepare() -> None:
@@ -85,7 +71,8 @@ def refuse_settings_without_end() -> None:
     """
     own = os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")
     folders = ["", os.path.join(own, "matplotlib")]
-    folders += [os.environ[name] for name in _OF_MATPLOTLIB if os.environ.get(name)]
+    settings = ("MPLCONFIGDIR", "MATPLOTLIBRC")
+    folders += [os.environ[name] for name in settings if os.environ.get(name)]
     files = [os.path.join(folder, "matplotlibrc") for folder in folders]
     for file in (*files, os.environ.get("MATPLOTLIBRC") or os.devnull):
         # What cannot be looked at, or is no path, is left to Matplotlib.
@@ -110,10 +97,10 @@ def why_jax_failed(error: BaseException) -> str | None:
 
 def _no_platform(error: BaseException) -> str | None:
     """Explain an error by a platform that the environment names and JAX does not find here."""
-    name = next(filter(os.environ.get, _PLATFORM), None)
+    name = next(filter(os.environ.get, ("JAX_PLATFORMS", "JAX_PLATFORM_NAME")), None)
     if name is None:
         return None
-    if not _NO_PLATFORM.match(str(error)):
+    if not re.match("(Unable to initialize|Unknown) backend ", str(error)):
         with contextlib.suppress(Exception):
             sys.modules["jax"].devices()
             return None
@@ -125,7 +112,12 @@ def _no_platform(error: BaseException) -> str | None:
 
 def _unusual(error: BaseException) -> str | None:
     """Explain an error by variables that change how JAX computes."""
-    unusual = [one for one in variables_of_jax() if not _HARMLESS.match(one)]
+    # Beginnings of variables that change nothing that JAX computes.
+    harmless = (
+        "JAX_(PLATFORM|LOG|TRACEBACK|ENABLE_COMPILATION_CACHE|COMPILATION_CACHE|PERSISTENT_CACHE"
+        "|CUDA_VISIBLE|ROCM_VISIBLE)"
+    )
+    unusual = [one for one in variables_of_jax() if not re.match(harmless, one)]
     if not unusual or not _is_of_jax(error):
         return None
     characters = 120
@@ -144,7 +136,8 @@ def _is_of_jax(error: BaseException) -> bool:
     """
     frames = [str(f.f_globals.get("__name__")) for f, _ in traceback.walk_tb(error.__traceback__)]
     modules = [type(one).__module__ for one in (error, error.__cause__)] + frames[-1:]
-    named = any(one.partition(".")[0] in _OF_JAX for one in modules)
+    packages = ("jax", "jaxlib", "equinox", "jaxtyping")
+    named = any(one.partition(".")[0] in packages for one in modules)
     match = re.search("jax|Leaked trac", str(error), re.IGNORECASE)
     # That is what it raises where NaN is looked for.
     return named or match is not None or isinstance(error, FloatingPointError)
@@ -152,10 +145,12 @@ def _is_of_jax(error: BaseException) -> bool:
 
 def variables_of_jax() -> list[str]:
     """Return NAME=VALUE of the user's variables for JAX and the libraries beside it."""
+    # Variables of JAX that a command sets for itself.
+    own = frozenset(("JAX_ENABLE_X64", "JAX_COMPILATION_CACHE_DIR", *_USUAL))
     return [
         f"{name}={value}"
         for name, value in os.environ.items()
-        if name not in OURS and name.startswith(("JAX_", "EQX_", "JAXTYPING_"))
+        if name not in own and name.startswith(("JAX_", "EQX_", "JAXTYPING_"))
     ]
 
 

@@ -24,13 +24,6 @@ MOST_LOG_BYTES = 2**31
 """Largest log: days of walking."""
 MOST_BYTES_OF_NAME = 255
 """Longest name of one file or folder, on all usual systems."""
-_KINDS = (
-    (stat.S_ISDIR, "a folder"),
-    (stat.S_ISFIFO, "a FIFO"),
-    (stat.S_ISSOCK, "a socket"),
-)
-_ENDLESS = re.compile("[0-9][0-9_]{4300,}")
-"""A whole number with more digits than Python reads."""
 
 
 @contextlib.contextmanager
@@ -51,7 +44,12 @@ def same_folder() -> Iterator[None]:
 
 def kind_of(mode: int) -> str:
     """Return what lies at a path that is no regular file, by its `st_mode`."""
-    return next((kind for is_one, kind in _KINDS if is_one(mode)), "a device")
+    kinds = (
+        (stat.S_ISDIR, "a folder"),
+        (stat.S_ISFIFO, "a FIFO"),
+        (stat.S_ISSOCK, "a socket"),
+    )
+    return next((kind for is_one, kind in kinds if is_one(mode)), "a device")
 
 
 def no_file_at(path: Path, nothing: str) -> str:
@@ -143,7 +141,9 @@ def toml_of(path: Path) -> dict[str, Any]:
     except RecursionError:
         raise ValueError("values nested too deeply") from None
     except ValueError as error:
-        if (endless := _ENDLESS.search(text)) and not isinstance(error, tomllib.TOMLDecodeError):
+        # A whole number with more digits than Python reads.
+        endless = re.search("[0-9][0-9_]{4300,}", text)
+        if endless and not isinstance(error, tomllib.TOMLDecodeError):
             line = text.count("\n", 0, endless.start()) + 1
             raise ValueError(
                 f"a number that is too large, of {len(endless[0])} digits, in line {line}"

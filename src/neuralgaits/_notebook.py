@@ -5,7 +5,6 @@ from collections.abc import Iterable, Sequence
 
 TIGHTEST = 5
 """Number of conditions that a notebook shows."""
-_CELL = 'style="text-align:left"'
 
 
 def table(title: str, rows: Iterable[Sequence[object]], head: Sequence[str] = ()) -> str:
@@ -22,4 +21,5 @@ def table(title: str, rows: Iterable[Sequence[object]], head: Sequence[str] = ()
 
 
 def _cells(kind: str, row: Sequence[object]) -> str:
-    return "".join(f"<{kind} {_CELL}>{html.escape(str(cell))}</{kind}>" for cell in row)
+    style = "text-align:left"
+    return "".join(f'<{kind} style="{style}">{html.escape(str(cell))}</{kind}>' for cell in row)

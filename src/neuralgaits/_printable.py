@@ -14,16 +14,8 @@ from numbers import Integral
 
 PRINTABLE = "neuralgaits-printable"
 """Name of the error handler, for `str.encode` and for streams."""
-LONGEST_WORD, LONGEST_QUOTE = 255, 4096
-"""Most characters that a message shows of a word, and of a quoted text: no file's name is longer,
-and no path."""
 _SHOWN = 60
 """Characters that a message shows of what is longer."""
-LARGEST_SHOWN = 10**20
-"""First whole number that a message gives by its number of digits."""
-_TOO_LONG = re.compile(
-    rf"""(?<!\w)(["'])(?:(?!\1).){{{LONGEST_QUOTE + 1},}}\1|[^\s/"'`]{{{LONGEST_WORD + 1},}}"""
-)
 
 
 def printable(text: str | os.PathLike[str]) -> str:
@@ -56,7 +48,9 @@ def shortened(text: str) -> str:
 
     A folder's or a file's name in a path counts as one word, so paths that can be there stay whole.
     """
-    return _TOO_LONG.sub(lambda long: f"{long[0][:_SHOWN]}... ({len(long[0])} characters)", text)
+    # No file's name is longer than 255 characters, and no path, which may be quoted, than 4096.
+    too_long = r"""(?<!\w)(["'])(?:(?!\1).){4097,}\1|[^\s/"'`]{256,}"""
+    return re.sub(too_long, lambda long: f"{long[0][:_SHOWN]}... ({len(long[0])} characters)", text)
 
 
 def shown(value: object) -> str:
@@ -66,7 +60,8 @@ def shown(value: object) -> str:
     """
     if isinstance(value, Integral) and not isinstance(value, bool):
         value = int(value)  # NumPy's text of one says its type, too.
-    if isinstance(value, int) and abs(value) >= LARGEST_SHOWN:
+    largest = 10**20  # First whole number that a message gives by its number of digits.
+    if isinstance(value, int) and abs(value) >= largest:
         # A logarithm may be rounded up.
         power = math.floor(math.log10(abs(value)))
         return f"a number of {power + (abs(value) >= 10**power)} digits"

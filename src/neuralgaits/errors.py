@@ -10,9 +10,6 @@ from collections.abc import Sequence
 
 from neuralgaits._printable import shortened
 
-_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Error numbers with which a system reports a full disk, a full quota or a limit of one user."""
-
 
 class NeuralGaitsError(Exception):
     """Root of all errors raised on purpose by this package."""
@@ -60,14 +57,16 @@ class MismatchError(NeuralGaitsError):
 
 def reason(error: Exception) -> str:
     """Return why a file could not be used, without the number and path that Python adds."""
-    said = error.strerror if isinstance(error, OSError) else None
-    return said or str(error)
+    words = error.strerror if isinstance(error, OSError) else None
+    return words or str(error)
 
 
 def is_full(error: BaseException) -> bool:
     """Return whether an error means that the disk was full, whichever library raised it."""
     if isinstance(error, OSError):
-        return error.errno in _FULL
+        # A full disk, a full quota, or a limit of one user.
+        full = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        return error.errno in full
     return os.strerror(errno.ENOSPC) in str(error)
 
 

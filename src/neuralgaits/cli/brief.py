@@ -23,11 +23,6 @@ from neuralgaits.runs.shell_words import command, named
 _NAMED = 3
 """Conditions that a line names before it counts."""
 _MORE = "-v prints more"
-_SUBJECTS = {
-    False: "the model with every joint exactly where the gait wants it",
-    True: "the whole rigid model, joints off their targets included",
-}
-"""Subject of the levels below full order, and of the others."""
 
 
 def brief_training(result: TrainingSummary) -> None:
@@ -145,7 +140,11 @@ def brief_proof(result: CertificateRecord) -> None:
     if above is not None and not open_:
         facts.append((f"level {above.level}", above.reason or above.verdict))
     if level and not open_ and above is None:
-        facts.append(("about", _SUBJECTS[level >= FULL_ORDER_LEVEL]))
+        if level >= FULL_ORDER_LEVEL:
+            subject = "the whole rigid model, joints off their targets included"
+        else:
+            subject = "the model with every joint exactly where the gait wants it"
+        facts.append(("about", subject))
     facts.append(("boxes", f"{result.boxes} in {result.wall_s:.0f} s; {_MORE}"))
     next_command = command("report", named(result.run)) if result.proved_level else None
     facts += [("proof", result.proof), *([("next", next_command)] if next_command else [])]

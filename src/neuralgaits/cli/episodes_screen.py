@@ -9,10 +9,6 @@ from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.record import Pair
 from neuralgaits.runs.shell_words import command, named
 
-_HEAD = ("round", "steps", "stay up", "0.8-1.2 z2", "speeds m/s", "in tube", "error left", "loss")
-"""Columns of the table: starts at 0.8 to 1.2 times the nominal z2; held-out error relative to
-the model's. It fits 80 columns."""
-
 
 def show_episodes(result: EpisodesSummary) -> None:
     """Show a line for each round, and the next command."""
@@ -34,7 +30,19 @@ def show_episodes(result: EpisodesSummary) -> None:
         )
         for entry in rounds
     ]
-    show_table(_HEAD, rows)
+    # Starts at 0.8 to 1.2 times the nominal z2; held-out error relative to the model's. The table
+    # fits 80 columns.
+    head = (
+        "round",
+        "steps",
+        "stay up",
+        "0.8-1.2 z2",
+        "speeds m/s",
+        "in tube",
+        "error left",
+        "loss",
+    )
+    show_table(head, rows)
     for entry in rounds:
         if entry.reason:
             show_sentence(f"round {entry.round}: nothing learned: {entry.reason}", hang=2)

@@ -15,8 +15,6 @@ from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
 
-_WAITS = {"simulate": "simulating", "export": "writing it, comparing it", "report": "drawing it"}
-
 
 def outcome_of_family(verb: Any, name: str) -> Outcome | None:
     """Carry out a verb about a system of a family beside walkers; None if it is about a walker."""
@@ -57,5 +55,10 @@ def _progress(name: str, quiet: bool) -> Iterator[ProgressCallbacks]:
         with ProofProgress(quiet) as proof:
             yield ProgressCallbacks(proved=proof)
     else:
-        with WorkProgress(_WAITS.get(name, name), quiet) as work:
+        waits = {
+            "simulate": "simulating",
+            "export": "writing it, comparing it",
+            "report": "drawing it",
+        }
+        with WorkProgress(waits.get(name, name), quiet) as work:
             yield ProgressCallbacks(begun=work.begun)

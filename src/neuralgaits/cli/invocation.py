@@ -7,9 +7,6 @@ from pathlib import Path
 
 from neuralgaits.runs.shell_words import PROGRAM, quoted
 
-_OWN = re.compile(rf"(^|`|&& ){PROGRAM} (?=[a-z-])", re.MULTILINE)
-_PIP = re.compile(r"(?<![\w./-])pip install '")
-
 
 def as_called(text: str) -> str:
     """Replace commands of this program and of pip in a text by forms that can be typed here.
@@ -24,9 +21,12 @@ def as_called(text: str) -> str:
     if path is not None and Path(path).samefile(called):
         return text
     pip = called.with_name("pip")
-    text = _OWN.sub(lambda at: f"{at[1]}{quoted(_as_path(called))} ", text)
+    own = rf"(^|`|&& ){PROGRAM} (?=[a-z-])"
+    own_path = quoted(_as_path(called))
+    text = re.sub(own, lambda at: f"{at[1]}{own_path} ", text, flags=re.MULTILINE)
     if pip.is_file():
-        text = _PIP.sub(lambda _: f"{quoted(_as_path(pip))} install '", text)
+        pip_command = r"(?<![\w./-])pip install '"
+        text = re.sub(pip_command, lambda _: f"{quoted(_as_path(pip))} install '", text)
     return text
 
 

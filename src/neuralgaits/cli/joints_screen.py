@@ -11,13 +11,6 @@ from neuralgaits.records.identified_joints import Estimate, IdentifiedJoints
 from neuralgaits.robots.parameter_box import MOST_SHARE
 from neuralgaits.runs.shell_words import command, named
 
-_QUANTITIES = (
-    ("friction_nm", "dry friction", "N m"),
-    ("damping_nms_rad", "viscous friction", "N m s/rad"),
-    ("armature_kg_m2", "rotor inertia", "kg m²"),
-    ("delay_s", "torque delay", "s"),
-)
-
 
 def show_joints(result: IdentifiedJoints) -> None:
     """Show the numbers of every joint with intervals, and where to go with them."""
@@ -29,9 +22,15 @@ def show_joints(result: IdentifiedJoints) -> None:
         f": torques of held-out strides are explained to {identified:.3g} N m rms, by the robot "
         f"file to {file:.3g} N m",
     )
+    quantities = (
+        ("friction_nm", "dry friction", "N m"),
+        ("damping_nms_rad", "viscous friction", "N m s/rad"),
+        ("armature_kg_m2", "rotor inertia", "kg m²"),
+        ("delay_s", "torque delay", "s"),
+    )
     for joint in result.joints:
         rows = []
-        for field, what, unit in _QUANTITIES:
+        for field, what, unit in quantities:
             one: Estimate = getattr(joint, field)
             interval = f"{one.low:.4f} to {one.high:.4f}"
             rows.append((f"{what} [{unit}]", f"{one.value:.4f}", interval, f"{one.file:.4f}"))

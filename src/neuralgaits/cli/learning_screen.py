@@ -6,13 +6,6 @@ from neuralgaits.cli.screen_tables import short, show_facts, show_sentence, show
 from neuralgaits.records.fitted import FitSummary, TouchdownErrors
 from neuralgaits.runs.shell_words import command, named
 
-_LANDINGS = (
-    ("z1_m", "hip position z1", "m"),
-    ("z2_kg_m2_s", "momentum z2", "kg m²/s"),
-    ("output_rad", "outputs", "rad"),
-    ("rate_rad_s", "output rates", "rad/s"),
-)
-
 
 def show_fit(result: FitSummary) -> None:
     """Show errors with and without the residual, at touchdowns, too, and the data that was used."""
@@ -55,7 +48,13 @@ def _landings(touchdowns: TouchdownErrors | None) -> None:
         return
     head = f"error at {touchdowns.count} held-out touchdowns"
     rows = []
-    for name, label, unit in _LANDINGS:
+    landings = (
+        ("z1_m", "hip position z1", "m"),
+        ("z2_kg_m2_s", "momentum z2", "kg m²/s"),
+        ("output_rad", "outputs", "rad"),
+        ("rate_rad_s", "output rates", "rad/s"),
+    )
+    for name, label, unit in landings:
         before, after = (getattr(one, name, None) for one in (touchdowns.before, touchdowns.after))
         corrected = "-" if after is None else f"{short(after)} {unit}"
         rows.append((label, f"{short(before)} {unit}", corrected))

@@ -37,8 +37,6 @@ from neuralgaits.errors import (
 )
 
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
-_LONG = ("train", "refine", "episodes", "certify", "sweep")
-"""Verbs whose work can be worth resuming."""
 
 
 class ProgressStream(io.TextIOWrapper):
@@ -223,7 +221,8 @@ def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
     """Return the command to type after Ctrl-C; only what was saved can be resumed."""
     if isinstance(error, Interrupted):
         return f"; go on with `{error.command}`{error.more}"
-    if not any(verb in arguments[:2] for verb in _LONG):
+    resumable = ("train", "refine", "episodes", "certify", "sweep")
+    if not any(verb in arguments[:2] for verb in resumable):
         return ""
     from neuralgaits.runs.shell_words import command
 

@@ -17,7 +17,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.settings.options import ONLY_PYTHON, POSITIONAL
 
 _NUMBERS = {float: ("a number", decimal), int: ("a whole number", whole)}
-_HELP, _VERBOSE = ("-h", "--help"), "-v"
+_VERBOSE = "-v"
 _COMMANDED = {
     "simulate": ("--command", "command a gait", "{}"),
     "certify": ("--within", "prove a gait for a part of its commands", "{0}:{0}"),
@@ -29,7 +29,6 @@ _EXAMPLE_COMMANDS = {
     "--step-height": "0.02",
     "--slope": "3",
 }
-_EXAMPLES = {"RUN": "latest", "ROBOT": "amber3m"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,7 +73,7 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
     flags, alone = set(), []
     left = iter(rest)
     for word in left:
-        if word in _HELP:
+        if word in ("-h", "--help"):
             return
         if word == "--":
             alone += left
@@ -180,7 +179,8 @@ def _refuse_count(verb: str, alone: Sequence[str], positional: Sequence[_Setting
     needed = [one for one in positional if one.required]
     if len(alone) < len(needed):
         metavar = needed[len(alone)].metavar
-        example = _EXAMPLES.get(metavar)
+        examples = {"RUN": "latest", "ROBOT": "amber3m"}
+        example = examples.get(metavar)
         as_in = f"name one, as in `neuralgaits {verb} {example}`" if example else _see(verb)
         raise InputError(f"expected {metavar}, found none: {as_in}")
     if len(alone) > len(positional) and not any(one.many for one in positional):

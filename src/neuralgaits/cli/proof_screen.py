@@ -24,8 +24,6 @@ from neuralgaits.records.checked import ProofCheck
 _INDENT = 2
 _TOGETHER = 4
 """Barriers whose constants share a table: names and numbers of four fit 80 columns."""
-_PREMISE = "/"
-"""Character in names of premises, as in orbit/inside; conditions of a spec have none."""
 
 
 def show_proof(result: CertificateRecord) -> None:
@@ -87,7 +85,8 @@ def show_check(result: ProofCheck) -> None:
     weights = f"weights of sha256 {result.weights_sha256[:12]}..."
     show_sentence(f"claims for {result.robot}, spec {result.spec}, {weights}")
     statements = result.statements
-    lines = [text for text in statements if _PREMISE not in text.partition(":")[0]]
+    # Names of premises have a slash, as orbit/inside; conditions of a spec have none.
+    lines = [text for text in statements if "/" not in text.partition(":")[0]]
     lines = lines or list(statements[:ROWS])
     for statement in lines:
         show_sentence(statement, indent=_INDENT, hang=_INDENT)

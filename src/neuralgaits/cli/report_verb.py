@@ -8,8 +8,6 @@ from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import show_facts, show_sentence
 from neuralgaits.records.reported import ReportRecord
 
-_INDENT = 2
-
 
 def carry_out_report(verb: ReportOptions) -> Outcome:
     """Carry out `report`. Good even if parts are missing: the page lists them."""
@@ -34,5 +32,5 @@ def show_report(result: ReportRecord) -> None:
     for entry in result.missing:
         missing.setdefault(entry.command, []).append(entry.what)
     for command, what in missing.items():
-        show_sentence(f"not there: {'; '.join(what)}", hang=_INDENT)
+        show_sentence(f"not there: {'; '.join(what)}", hang=2)
         show_facts([("", command)])

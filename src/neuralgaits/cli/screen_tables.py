@@ -13,15 +13,6 @@ from neuralgaits.cli.invocation import as_called
 from neuralgaits.runs.shell_words import PROGRAM
 
 Words = str | Text
-COLOURS = {
-    "proved": "green",
-    # Not green: what is consistent with itself may be about nothing.
-    "consistent": "cyan",
-    "refuted": "red",
-    "rejected": "red",
-    "undecided": "yellow",
-}
-"""Colours of verdicts."""
 ROWS = 12
 """Most rows of a table; a sentence sums up the rest."""
 _GAP = 2
@@ -115,4 +106,12 @@ def short(value: float | None) -> str:
 
 def verdict(word: str) -> Text:
     """Return a verdict in its colour."""
-    return Text(word, COLOURS[word])
+    colours = {
+        "proved": "green",
+        # Not green: what is consistent with itself may be about nothing.
+        "consistent": "cyan",
+        "refuted": "red",
+        "rejected": "red",
+        "undecided": "yellow",
+    }
+    return Text(word, colours[word])

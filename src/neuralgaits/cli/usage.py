@@ -12,11 +12,6 @@ from typing import TypeVar
 
 from neuralgaits.errors import InputError
 
-_FRAME = re.compile(r"[─│╭╮╰╯•]")
-_RULE = re.compile(r"^\W*─{3,}\W*$")
-_COLOUR = re.compile(r"\x1b\[[0-9;]*m")
-_HELP = re.compile(r"For full helptext,? (?:run:?|see)\s*(.*)$")
-
 Read = TypeVar("Read")
 
 
@@ -42,12 +37,13 @@ def condense(box: str) -> str:
     Returns: the line.
     """
     sections: list[list[str]] = [[]]
-    for line in _COLOUR.sub("", box).splitlines()[1:]:
-        if _RULE.match(line):
+    for line in re.sub(r"\x1b\[[0-9;]*m", "", box).splitlines()[1:]:
+        if re.match(r"^\W*─{3,}\W*$", line):
             sections.append([])
         else:
-            sections[-1].append(_FRAME.sub(" ", line))
+            sections[-1].append(re.sub(r"[─│╭╮╰╯•]", " ", line))
     texts = [" ".join(" ".join(section).split()) for section in sections]
-    texts = [_HELP.sub(r"see \1", text).rstrip(".") for text in texts]
+    help_hint = r"For full helptext,? (?:run:?|see)\s*(.*)$"
+    texts = [re.sub(help_hint, r"see \1", text).rstrip(".") for text in texts]
     texts = [text for text in texts if text and not text.startswith("Argument helptext")]
     return "; ".join(texts) or " ".join(box.split())

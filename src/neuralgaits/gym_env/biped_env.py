@@ -27,10 +27,8 @@ Action = Literal["target", "torque"]
 Disturbed = str | Mapping[str, float] | PlantChanges
 TICKS = 20
 """Control ticks of a decision: 50 decisions a second."""
-SLOWEST = 0.5
-"""Least initial speed of an episode, as a share of the commanded speed."""
-# What observations are clipped to, far beyond what a walk needs: finite, as learners want them.
-_ANGLE, _RATE, _VELOCITY, _FORCE, _TIME, _SPEED = np.pi, 50.0, 10.0, 20.0, 10.0, 3.0
+LARGEST_SPEED = 3.0
+"""Largest speed that a walk may be asked for [m/s]."""
 
 
 class BipedEnv(gymnasium.Env):
@@ -83,7 +81,7 @@ class BipedEnv(gymnasium.Env):
         """
         _refuse_impossible(action, render_mode, ticks)
         self.render_mode = render_mode
-        self._speed = _range("speed", speed, 0.0, _SPEED)
+        self._speed = _range("speed", speed, 0.0, LARGEST_SPEED)
         self._push = _range("push", push, -1e3, 1e3)
         self._reward, self._ticks, self._torques = reward_of(reward), ticks, action == "torque"
         disturbances = _disturbances(disturb)
@@ -130,10 +128,11 @@ class BipedEnv(gymnasium.Env):
             raise InputError(f"reset options: expected speed, state, found {stray}")
         self._requested_speed = draw.uniform(*self._speed)
         if "speed" in options:
-            self._requested_speed = _range("speed", options["speed"], 0.0, _SPEED)[0]
+            self._requested_speed = _range("speed", options["speed"], 0.0, LARGEST_SPEED)[0]
         push = draw.uniform(*self._push)
         plant = self._plants[int(draw.integers(len(self._plants)))]
-        leg, share, pace = int(draw.integers(2)), draw.uniform(), draw.uniform(SLOWEST, 1.0)
+        slowest = 0.5  # As a share of the commanded speed.
+        leg, share, pace = int(draw.integers(2)), draw.uniform(), draw.uniform(slowest, 1.0)
         q, dq = self._first.at(share, pace * self._requested_speed)
         if "state" in options:
             leg, (q, dq) = 0, np.split(self._checked_state(options["state"]), 2)
@@ -269,8 +268,14 @@ def _disturbances(disturb: Disturbed | Sequence[Disturbed | None] | None) -> lis
 
 def _observations(m: int) -> spaces.Box:
     """Return the space of observations of a robot with m motors."""
-    sizes = [_ANGLE, _RATE] + [_ANGLE] * m + [_RATE] * m + [_VELOCITY] * 2
-    high = np.array([*sizes, _FORCE, _FORCE, 1.0, _TIME, _SPEED], dtype=np.float32)
+    # Far beyond what a walk needs, but finite, as learners want them.
+    angle = np.pi  # [rad]
+    rate = 50.0  # [rad/s]
+    velocity = 10.0  # [m/s]
+    force = 20.0  # In weights of the robot.
+    time = 10.0  # [s]
+    sizes = [angle, rate] + [angle] * m + [rate] * m + [velocity] * 2
+    high = np.array([*sizes, force, force, 1.0, time, LARGEST_SPEED], dtype=np.float32)
     low = -high
     low[[-5, -4, -2, -1]] = 0.0
     return spaces.Box(low, high, dtype=np.float32)

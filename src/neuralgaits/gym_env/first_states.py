@@ -6,8 +6,6 @@ from neuralgaits._types import Float
 from neuralgaits.gait.posture import posture_path, walking_posture
 from neuralgaits.robots import PlanarBiped
 
-GRID = 25
-"""Number of hip positions for which inverse kinematics computes a posture."""
 REACH = 0.9
 """Share of the way from mid-step to the guard, in both directions, that has postures."""
 
@@ -18,7 +16,8 @@ class FirstStates:
     def __init__(self, robot: PlanarBiped):
         """Solve the inverse kinematics of the step once."""
         self._robot = robot
-        self._z1 = np.linspace(-REACH, REACH, GRID) * walking_posture(robot).z_guard
+        hip_positions = 25
+        self._z1 = np.linspace(-REACH, REACH, hip_positions) * walking_posture(robot).z_guard
         self._outputs = posture_path(robot, self._z1)
         self._slopes = np.gradient(self._outputs, self._z1, axis=0)
 

@@ -12,40 +12,8 @@ from neuralgaits.records.levels import (
     WORDS,
 )
 
-_OWN_ORBITS = "one periodic orbit attracts the whole walking set, of each robot its own"
-"""Statement of level 3 about a box of robots."""
-_UNEVEN = (
-    "any two trajectories{of_one} whose footholds lie equally high, step by step, converge; where "
-    "all lie as meant, to one periodic orbit{own}"
-)
-"""Statement of level 3 if footholds may be higher or lower than intended."""
-_PROVED_UNEVEN = (
-    f"{FOR_EVER}. "
-    "Any two walks{of_one} whose footholds lie equally high, step by step, "
-    "come nearer and nearer to each other; where all lie as meant, to one motion that "
-    "repeats{own}."
-)
-"""Meaning of level 3 if footholds may be higher or lower than intended."""
-_RIGID = (
-    "links are rigid; the foot on the ground neither slips, rolls nor tips; an impact is sudden "
-    "and without bounce; the ground is where the gait expects it, or no further off than is "
-    "stated; {robot}; the gait's numbers are those stored in the run"
-)
 _ONE_ROBOT = "masses and lengths are those of the robot file"
 _EXACT = "joints are exactly where the gait wants them"
-_LINEARISED = (
-    "motors do without delay exactly what the controller asks (exact input-output linearisation in "
-    "continuous time)"
-)
-_BOUNDED = (
-    "the torques of exact input-output linearisation, up to an error that moves the joints' "
-    "accelerations by no more than the bound that is stated; or those torques, held between ticks "
-    "of which one is at each touchdown"
-)
-_TICKS = "control in ticks of a computer"
-_OTHER_TICKS = "ticks of a computer that are further apart than is stated or miss a touchdown"
-
-
 AS_STATED = (
     "This is what the proof file states. For this page the conditions were derived again from the "
     "run's files and are those of the proof, and its bounds were compared with values at a few "
@@ -56,7 +24,9 @@ AS_STATED = (
 
 def not_claimed(level: int | None) -> str:
     """List the effects that a proof up to this level does not cover, in plain words."""
-    ticks = _OTHER_TICKS if level == DISTURBED_LEVEL else _TICKS
+    ticks = "control in ticks of a computer"
+    if level == DISTURBED_LEVEL:
+        ticks = "ticks of a computer that are further apart than is stated or miss a touchdown"
     return (
         f"{ticks}, delays, motors at their limits, ground that gives way as in MuJoCo, or the real "
         "machine"
@@ -81,7 +51,11 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
             f"lengths are those of the robot file, and what the box {robots} names is within it of "
             "the file's, the same in both legs"
         )
-    rigid = _RIGID.format(robot=robot)
+    rigid = (
+        "links are rigid; the foot on the ground neither slips, rolls nor tips; an impact is "
+        "sudden and without bounce; the ground is where the gait expects it, or no further off "
+        f"than is stated; {robot}; the gait's numbers are those stored in the run"
+    )
     if level < WALKING_SET_LEVEL:
         return rigid, _EXACT
     following = f"{_EXACT}, and are so again after each impact"
@@ -90,11 +64,17 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     sentences = (
         rigid,
         f"at levels 1 to 3: {following}",
-        f"at level {FULL_ORDER_LEVEL}: {_LINEARISED}",
+        f"at level {FULL_ORDER_LEVEL}: motors do without delay exactly what the controller asks "
+        "(exact input-output linearisation in continuous time)",
     )
-    return (
-        sentences if level == FULL_ORDER_LEVEL else (*sentences, f"at level {HIGHEST}: {_BOUNDED}")
+    if level == FULL_ORDER_LEVEL:
+        return sentences
+    bounded = (
+        "the torques of exact input-output linearisation, up to an error that moves the joints' "
+        "accelerations by no more than the bound that is stated; or those torques, held between "
+        "ticks of which one is at each touchdown"
     )
+    return (*sentences, f"at level {HIGHEST}: {bounded}")
 
 
 def states(level: int, with_commands: bool, certificate: CertificateRecord | None = None) -> str:
@@ -107,16 +87,19 @@ def states(level: int, with_commands: bool, certificate: CertificateRecord | Non
     """
     if level == ORBIT_LEVEL and not with_commands and certificate is not None:
         if "floor" in certificate.parameters:
-            return _uneven(_UNEVEN, certificate)
+            of_one, own = _compared_robots(certificate)
+            return (
+                f"any two trajectories{of_one} whose footholds lie equally high, step by step, "
+                f"converge; where all lie as meant, to one periodic orbit{own}"
+            )
         if certificate.robots:
-            return _OWN_ORBITS
+            return "one periodic orbit attracts the whole walking set, of each robot its own"
     return WORDS[level].statement(with_commands=with_commands)
 
 
-def _uneven(sentence: str, certificate: CertificateRecord) -> str:
-    """Complete a statement by the walks that it compares and the robots that have the orbit."""
-    of_one, own = (" of one robot", ", of each robot its own") if certificate.robots else ("", "")
-    return sentence.format(of_one=of_one, own=own)
+def _compared_robots(certificate: CertificateRecord) -> tuple[str, str]:
+    """Say of which robots walks are compared, and which robots have the orbit."""
+    return (" of one robot", ", of each robot its own") if certificate.robots else ("", "")
 
 
 def proved(certificate: CertificateRecord, with_commands: bool) -> str:
@@ -130,7 +113,12 @@ def proved(certificate: CertificateRecord, with_commands: bool) -> str:
     meant = WORDS[level].meaning(with_commands=with_commands)
     uneven = "floor" in certificate.parameters and level == ORBIT_LEVEL and not with_commands
     if uneven:
-        meant = _uneven(_PROVED_UNEVEN, certificate)
+        of_one, own = _compared_robots(certificate)
+        meant = (
+            f"{FOR_EVER}. Any two walks{of_one} whose footholds lie equally high, step by step, "
+            "come nearer and nearer to each other; where all lie as meant, to one motion that "
+            f"repeats{own}."
+        )
     robots = ""
     if certificate.robots:
         own = ", each with a motion of its own" if level >= ORBIT_LEVEL and not uneven else ""

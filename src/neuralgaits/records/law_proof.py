@@ -4,9 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-CLOCKS = {"touchdown": "one of them at each touchdown", "free": "wherever touchdowns lie"}
-"""Clocks that level 5 is proved for, in words."""
-
 
 @dataclass(frozen=True)
 class LawProof:
@@ -40,7 +37,8 @@ class LawProof:
         if self.reason is not None:
             return f"{name}: nothing is proved, {self.reason}"
         hold = f"{1e3 * self.hold_s:.7g}"
-        return f"{name}: proved for ticks at most {hold} ms apart, {CLOCKS[self.clock]}"
+        clocks = {"touchdown": "one of them at each touchdown", "free": "wherever touchdowns lie"}
+        return f"{name}: proved for ticks at most {hold} ms apart, {clocks[self.clock]}"
 
 
 def summary_of(proofs: Sequence[LawProof]) -> str | None:

@@ -5,21 +5,19 @@ from dataclasses import dataclass
 
 from neuralgaits.records.record import Count, Share
 
-_IN_WORDS = {
-    "phase-start": "start of the step",
-    "phase-end": "end of the step",
-    "direction": "forward direction",
-    "level-lower": "lower fence",
-    "level-upper": "upper fence",
-    "foot": "swing foot above the ground",
-    "output-error": "joints near their targets",
-}
-"""Margins of the sets, in words."""
-
 
 def margin_in_words(name: str) -> str:
     """Return the name of a margin for a page; a barrier keeps its own name."""
-    return _IN_WORDS.get(name, name.replace("-", " "))
+    words = {
+        "phase-start": "start of the step",
+        "phase-end": "end of the step",
+        "direction": "forward direction",
+        "level-lower": "lower fence",
+        "level-upper": "upper fence",
+        "foot": "swing foot above the ground",
+        "output-error": "joints near their targets",
+    }
+    return words.get(name, name.replace("-", " "))
 
 
 @dataclass(frozen=True)

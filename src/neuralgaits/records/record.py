@@ -21,12 +21,6 @@ Texts = tuple[str, ...]
 Pair = tuple[float, float]
 Disturb = Annotated[Mapping[str, Any], shapes.table_of(shapes.may(shapes.NUMBER))]
 """Changes of a plant, by name: see `simulation.setup.disturbance`."""
-_PLAIN = {
-    float: shapes.NUMBER,
-    int: shapes.kind("a whole number", int),
-    str: shapes.TEXT,
-    bool: shapes.FLAG,
-}
 
 
 class Record(Mapping[str, Any]):
@@ -82,7 +76,13 @@ def shape_of(kind: Any) -> shapes.Shape:
     if origin is not None:
         return shapes.table_of(shape_of(inner[1]))
     if not dataclasses.is_dataclass(kind):
-        return _PLAIN.get(kind, lambda value: None)
+        plain = {
+            float: shapes.NUMBER,
+            int: shapes.kind("a whole number", int),
+            str: shapes.TEXT,
+            bool: shapes.FLAG,
+        }
+        return plain.get(kind, lambda value: None)
     kinds = get_type_hints(kind, include_extras=True)
     shape = {
         field.name + "?" * _has_default(field): shape_of(kinds[field.name])

@@ -22,18 +22,6 @@ STEPS_BEFORE = 5
 """Touchdowns before a push, or half of a shorter walk's: transients have died out by then."""
 FLOOR_DISTURBANCES = {"floor": "floor_height", "friction": "friction"}
 """Parameters of a box that change a walk's floor, and the disturbances that they set."""
-_SHOWN = (
-    ("speed_m_s", "speed", "m/s"),
-    ("step_time_s", "time of a step", "s"),
-    ("cost_of_transport", "mechanical cost of transport", ""),
-    ("peak_torque_nm", "peak torque", "N m"),
-    ("steady_peak_torque_nm", "peak torque, touchdowns excluded", "N m"),
-    ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
-    ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
-    ("min_normal_force_n", "smallest force on the standing foot, touchdowns excluded", "N"),
-    ("hip_speed_error_m_s", "error of the estimated hip speed, rms", "m/s"),
-    ("saturated_fraction", "share of time at a torque limit", ""),
-)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -140,7 +128,19 @@ class WalkFigures(Record):
     @property
     def shown(self) -> list[tuple[str, float | None, str]]:
         """Figures that are known, for a person: words, number and unit."""
-        rows = ((words, getattr(self, name), unit) for name, words, unit in _SHOWN)
+        figures = (
+            ("speed_m_s", "speed", "m/s"),
+            ("step_time_s", "time of a step", "s"),
+            ("cost_of_transport", "mechanical cost of transport", ""),
+            ("peak_torque_nm", "peak torque", "N m"),
+            ("steady_peak_torque_nm", "peak torque, touchdowns excluded", "N m"),
+            ("max_joint_rate_rad_s", "largest joint rate", "rad/s"),
+            ("max_output_error_rad", "largest distance of a joint from its target", "rad"),
+            ("min_normal_force_n", "smallest force on the standing foot, touchdowns excluded", "N"),
+            ("hip_speed_error_m_s", "error of the estimated hip speed, rms", "m/s"),
+            ("saturated_fraction", "share of time at a torque limit", ""),
+        )
+        rows = ((words, getattr(self, name), unit) for name, words, unit in figures)
         return [row for row in rows if row[1] is not None]
 
 

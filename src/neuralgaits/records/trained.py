@@ -15,9 +15,6 @@ from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.runs.shell_words import command, named, resuming
 
-_MEASURED = (WEIGHTS, ROBOT, SPEC, RESIDUAL)
-"""Files that decide the figures of a training."""
-
 
 @dataclass(frozen=True)
 class Violations:
@@ -255,7 +252,7 @@ class SeedsSummary(Record):
 
 def measured_hashes(run: Path) -> dict[str, str | None]:
     """Return the sha256 of the files that decide a run's figures; None for a missing file."""
-    return file_hashes(run, _MEASURED)
+    return file_hashes(run, (WEIGHTS, ROBOT, SPEC, RESIDUAL))
 
 
 def trained_of(run: Path) -> TrainingSummary:

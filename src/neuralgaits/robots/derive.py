@@ -11,8 +11,6 @@ import numpy as np
 
 from neuralgaits._types import Float
 
-_ON_LINE = 1e-12
-
 
 @dataclass(frozen=True)
 class LegData:
@@ -124,7 +122,7 @@ def modulus_and_phase(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Returns: modulus (signed where real), phase [rad]; shapes of `values`.
     """
-    real = np.abs(np.imag(values)) <= _ON_LINE * np.max(np.abs(values))
+    real = np.abs(np.imag(values)) <= 1e-12 * np.max(np.abs(values))
     modulus = np.where(real, np.real(values), np.abs(values))
     return modulus, np.where(real, 0.0, np.angle(values))
 

@@ -34,7 +34,6 @@ step, and hardly a pair of materials has more friction."""
 MOST_SHARE = 0.5
 """Largest share of a file's value: no robot's mass is known worse than to a half of it, and with
 errors near the whole of it the box holds robots of no mass."""
-_NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
 
 
 def parse_box(text: str) -> dict[str, float]:
@@ -59,7 +58,8 @@ def parse_box(text: str) -> dict[str, float]:
 
 
 def _size(name: str, value: str) -> float:
-    match, units = _NUMBER.fullmatch(value), UNITS[name]
+    number = r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)"
+    match, units = re.fullmatch(number, value), UNITS[name]
     if match is None or match[2] not in units:
         unit_note = " or ".join(filter(None, units))
         unit_note = (

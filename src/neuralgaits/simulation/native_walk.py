@@ -31,15 +31,9 @@ FLAGS = ("-std=gnu99", "-O1", "-ffp-contract=off", "-fPIC", "-shared")
 """Compiler flags. Products and sums are not fused, so a walk is the same on every machine. With -O3
 it is compiled in twice the time and walks no faster: most of a tick is MuJoCo's."""
 SOURCES = ("walk.c", "clf_qp.c", "controller.c", "estimator.c", "adapt.c", "gait.c")
-_LOOP = ("walk.c", "walk.h", "clf_qp.c", "clf_qp.h")
-_SHIPPED = (
-    *("controller.h", "ng_math.h", "estimator.h", "adapt.h"),
-    *("controller.c", "estimator.c", "adapt.c"),
-)
 _UNKNOWN = "0" * 64
 _own_folders: list[tempfile.TemporaryDirectory] = []
 """Folders that are deleted when this process ends."""
-NO_COMPILER = "there is no C compiler: install gcc or clang, or pip install 'neuralgaits[compiler]'"
 
 
 @dataclass(frozen=True)
@@ -129,8 +123,13 @@ def sources(design: Design) -> dict[str, str]:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = output_folder.shipped() | output_folder.adaptation()
     folder = resources.files("neuralgaits.simulation.native") / "c"
-    loop = {name: (folder / name).read_text(encoding="utf-8") for name in _LOOP}
-    return gait | loop | {name: shipped[name] for name in _SHIPPED}
+    loop_files = ("walk.c", "walk.h", "clf_qp.c", "clf_qp.h")
+    loop = {name: (folder / name).read_text(encoding="utf-8") for name in loop_files}
+    shipped_files = (
+        *("controller.h", "ng_math.h", "estimator.h", "adapt.h"),
+        *("controller.c", "estimator.c", "adapt.c"),
+    )
+    return gait | loop | {name: shipped[name] for name in shipped_files}
 
 
 def _engine(texts: Mapping[str, str], controller: Controller) -> WalkEngine:
@@ -141,7 +140,9 @@ def _engine(texts: Mapping[str, str], controller: Controller) -> WalkEngine:
     """
     compiler = Compiler.for_c()
     if compiler is None:
-        raise NativeError(NO_COMPILER)
+        raise NativeError(
+            "there is no C compiler: install gcc or clang, or pip install 'neuralgaits[compiler]'"
+        )
     walk, folder = _shared_library(texts), cache_folder() / "walks"
     try:
         return WalkEngine(Library(compiler.cached(walk, folder), controller), None)

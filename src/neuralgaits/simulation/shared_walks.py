@@ -34,7 +34,6 @@ from neuralgaits.simulation.walk import Walk
 
 STEPS_OF_A_PART = 1600
 """Number of walking steps of a task: some ten seconds of compiled code."""
-_MOST_OF_A_PART = 256
 _PLANT, _COMMANDS, _ARRAYS = "plant.xml", "commands.csv", "walks.safetensors"
 _SENT = ("controller", "bandwidth", "steps", "start", "push", "seed", "simulator", "adapt")
 """Settings of `TrainedWalks` that are sent to workers as they are."""
@@ -60,7 +59,8 @@ class SharedWalks:
         # One step tells plant and law, and leaves the compiled walk where workers here find it.
         whole = replace(self.walks, steps=1).walk(0, 1)
         start_time = time.perf_counter()
-        count = max(1, min(_MOST_OF_A_PART, STEPS_OF_A_PART // self.walks.steps))
+        most_episodes = 256
+        count = max(1, min(most_episodes, STEPS_OF_A_PART // self.walks.steps))
         arrays: dict[str, Any] = {}
         with closing(
             engine.map(walk_part, self._jobs(episodes, count), common=self._files())

@@ -23,11 +23,6 @@ FRAMES_PER_S = 50
 SIZE = (480, 640)
 """Height and width of a frame [pixels]; a robot file's own off-screen size may cut it."""
 _SUFFIX = ".mp4"
-_SKY = np.array([222, 231, 240], dtype=np.uint8)
-"""Colour behind a robot whose file has no sky."""
-_UNPAINTED, _FLOOR = np.array([0.5, 0.5, 0.5, 1.0]), np.array([0.93, 0.95, 0.97, 1.0])
-"""MuJoCo's colour of a shape whose file names none, and the film's colour of such a floor: lit by
-few lights, the first is nearly black."""
 
 
 def check(path: Path) -> None:
@@ -132,8 +127,9 @@ def _frame(
         _draw(renderer.scene, bone, data)
     frame = renderer.render()
     if not np.any(model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX):
-        # Where nothing is drawn.
-        frame = np.where((frame == 0).all(axis=-1, keepdims=True), _SKY, frame)
+        # Colour where nothing is drawn, of a robot whose file has no sky.
+        sky = np.array([222, 231, 240], dtype=np.uint8)
+        frame = np.where((frame == 0).all(axis=-1, keepdims=True), sky, frame)
     return frame
 
 
@@ -171,8 +167,10 @@ def _renderer(model):
         # A file without lights is lit from the camera, brightly enough to see it.
         model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.75, 0.4
     planes = (model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE) & (model.geom_matid < 0)
-    plain = planes & np.isclose(model.geom_rgba, _UNPAINTED).all(axis=1)
-    model.geom_rgba[plain] = _FLOOR
+    # MuJoCo's colour of a shape whose file names none: lit by few lights, it is nearly black.
+    unpainted = (0.5, 0.5, 0.5, 1.0)
+    plain = planes & np.isclose(model.geom_rgba, unpainted).all(axis=1)
+    model.geom_rgba[plain] = (0.93, 0.95, 0.97, 1.0)
     # A robot file that says nothing about its off-screen buffer gets one that is large enough.
     visual = model.vis.global_
     visual.offheight, visual.offwidth = max(height, visual.offheight), max(width, visual.offwidth)

@@ -31,8 +31,6 @@ HOME = "sweeps"
 INPUTS, ROWS, FAILED = "inputs", "rows", "failed"
 _UNFINISHED = "."
 """Prefix of the names of rows that are still being written."""
-_SHOWN = 80
-"""Largest number of characters of a setting that a message shows."""
 
 
 @dataclass(frozen=True)
@@ -159,4 +157,5 @@ class SweepFolder:
 
 
 def _short(value: Any) -> str:
-    return json.dumps(plain(value), ensure_ascii=False)[:_SHOWN]
+    characters = 80
+    return json.dumps(plain(value), ensure_ascii=False)[:characters]

@@ -15,16 +15,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.systems.joint_map import JointMap
 
-SHARES = (-0.98, -0.7, -0.35, 0.0, 0.35, 0.7, 0.98)
-"""Places, as shares of the coordinates' ranges."""
-FORCES = (-1.0, 0.4, 1.0)
-"""Forces, as shares of the motor's limit."""
-LEANS, STEPS = (0.0, 0.1), 60
-"""Where the last coordinate is let go, as shares of its range, and for how many of MuJoCo's
-steps."""
-ALIKE = 1e-7
-"""Largest difference of accelerations that is rounding, as a share of the largest there."""
-
 Accelerations = Callable[[np.ndarray, float], np.ndarray]
 """Function from a state and a force to the coordinates' accelerations."""
 
@@ -68,20 +58,25 @@ def difference_from_mujoco(
         share = float(np.max(np.abs(measured - expected)) / largest)
         return (worst[0], worst[1]) if share <= worst[0] else (share, state)
 
-    places = itertools.product(SHARES, repeat=len(reach))
-    for place, rates, share in itertools.product(places, ranges.rates, FORCES):
-        state, force = np.concatenate([place * reach, rates]), share * ranges.force_limit
+    # Places, as shares of the coordinates' ranges.
+    place_shares = (-0.98, -0.7, -0.35, 0.0, 0.35, 0.7, 0.98)
+    places = itertools.product(place_shares, repeat=len(reach))
+    force_shares = (-1.0, 0.4, 1.0)  # Forces, as shares of the motor's limit.
+    for place, rates, share in itertools.product(places, ranges.rates, force_shares):
+        state = np.concatenate([place * reach, rates])
+        force = share * ranges.force_limit
         mujoco.mj_resetData(model, world)
         joints.write(model, world, state)
         joints.push(world, force)
         mujoco.mj_forward(model, world)
         worst = compared(state, force)
-    for share in LEANS:
+    # The last coordinate is let go at the upright and a tenth of its range away, for 60 steps.
+    for share in (0.0, 0.1):
         mujoco.mj_resetData(model, world)
         start = np.zeros(2 * len(reach))
         start[len(reach) - 1] = share * reach[-1]
         joints.write(model, world, start)
-        for _ in range(STEPS):
+        for _ in range(60):
             mujoco.mj_step(model, world)
             # Integrators of several stages leave the accelerations of the last one.
             mujoco.mj_forward(model, world)
@@ -89,4 +84,5 @@ def difference_from_mujoco(
             if not np.all(np.abs(state[: len(reach)]) < 0.98 * reach):
                 break
             worst = compared(state, 0.0)
-    return None if worst[0] <= ALIKE else worst
+    rounding = 1e-7  # As a share of the largest acceleration there.
+    return None if worst[0] <= rounding else worst

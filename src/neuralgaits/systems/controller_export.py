@@ -27,10 +27,6 @@ from neuralgaits.systems.run_statements import stated_bounds
 
 STATES = 1000
 """States of the set at which C and Python are compared."""
-AGREES = 1e-9
-"""Largest difference that is rounding, as a share of the limit of the compared output."""
-FLAGS = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared")
-"""Flags of the compiler."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -153,7 +149,8 @@ def _largest_difference(
     if compiler is None:
         return None
     sources = tuple(sorted(name for name in files if name.endswith(".c")))
-    library = SharedLibrary(header.file, files, sources, FLAGS)
+    flags = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared")
+    library = SharedLibrary(header.file, files, sources, flags)
     first = program.outputs[0].name
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:
         compiled = ctypes.CDLL(str(compiler.compile(library, Path(folder))))
@@ -162,7 +159,9 @@ def _largest_difference(
         wrong = getattr(compiled, selftest_name(header))()
     error = float(np.abs(np.array(outputs) - expected).max())
     # Rounding grows with the largest of the outputs, limits aside.
-    if wrong or not error <= AGREES * max(header.limit, float(np.abs(expected).max())):
+    # Largest difference that is rounding, as a share of the limit of the compared output.
+    rounding = 1e-9
+    if wrong or not error <= rounding * max(header.limit, float(np.abs(expected).max())):
         raise MismatchError(
             f"expected the {first}s of Python from C, found a difference of {error:.3g} "
             f"{header.unit}: report it"

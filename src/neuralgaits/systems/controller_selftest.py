@@ -11,8 +11,6 @@ from neuralgaits.systems.controller_header import ControllerHeader
 
 TESTED = 8
 """States of the table."""
-SHARE, SHARE_FLOAT = 1e-9, 1e-3
-"""Largest difference in double and in single precision, as a share of the limit."""
 
 
 def selftest_name(header: ControllerHeader) -> str:
@@ -29,7 +27,9 @@ def selftest_file(
     """Return the C file by name; `expected` is the first output at the states."""
     compared = program.outputs[0].name
     outputs = [(item.name, math.prod(item.shape)) for item in program.outputs]
-    largest = max(header.limit, float(np.abs(expected).max()))
+    scale = max(header.limit, float(np.abs(expected).max()))
+    # Largest differences, as shares of the limit.
+    in_double, in_float = 1e-9 * scale, 1e-3 * scale
     table = [
         wrapped(f"static const ng_real {name}[{len(rows)}][{rows.shape[1]}] = {braces(rows)};")
         for name, rows in (("states", states), ("expected", expected))
@@ -43,9 +43,9 @@ def selftest_file(
             *table,
             "",
             "#ifdef NG_FLOAT",
-            f"#define LARGEST NG({SHARE_FLOAT * largest!r})",
+            f"#define LARGEST NG({in_float!r})",
             "#else",
-            f"#define LARGEST NG({SHARE * largest!r})",
+            f"#define LARGEST NG({in_double!r})",
             "#endif",
             "",
             f"int {selftest_name(header)}(void) {{",

@@ -18,8 +18,6 @@ from neuralgaits.systems.system_family import ProgressCallbacks, SystemFamily, V
 
 _SHARED_OPTIONS = ("run", "robot", "output", "progress", "watch", "begun", "root")
 """Settings that say what a command is about, or how it is shown."""
-_ROBOT_VERBS = ("train", "inspect", "robots")
-"""Verbs about a robot that has no run yet."""
 
 
 def family_named(name: object) -> SystemFamily | None:
@@ -79,7 +77,8 @@ def task_with(verb: str, options: Mapping[str, Any]) -> Task | None:
     run = options.get("run", options.get("resume"))
     run = getattr(run, "path", run)
     family = family_of_run(run)
-    if family is None and run is None and verb in _ROBOT_VERBS:
+    robot_verbs = ("train", "inspect", "robots")  # Verbs about a robot that has no run yet.
+    if family is None and run is None and verb in robot_verbs:
         family = family_of_robot(options.get("robot"))
     if family is None:
         return None

@@ -5,9 +5,6 @@ import viser
 
 from neuralgaits._types import Float, Int
 
-_DEPTH, _SIDE = 0.25, 0.3
-"""Drawn extent of the blocks downwards and to each side [m]."""
-
 
 class Blocks:
     """Drawing of the blocks of a course; a floor has no blocks."""
@@ -47,12 +44,14 @@ class Blocks:
 def mesh(tops: Float[np.ndarray, "K 4"]) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"]]:
     """Return corners (m) and faces of blocks below these tops; outsides are counter-clockwise."""
     x0, z0, x1, z1 = tops.T
+    depth = 0.25  # [m]
+    to_side = 0.3  # Half of a block's width [m].
     # Around the side of a block, seen from -y.
     around = np.stack(
-        [np.stack([x0, x1, x1, x0], 1), np.stack([z0 - _DEPTH, z1 - _DEPTH, z1, z0], 1)], axis=-1
+        [np.stack([x0, x1, x1, x0], 1), np.stack([z0 - depth, z1 - depth, z1, z0], 1)], axis=-1
     )
     sides = np.tile(around, (1, 2, 1))
-    deep = np.broadcast_to(np.repeat([-_SIDE, _SIDE], 4), sides.shape[:2])
+    deep = np.broadcast_to(np.repeat([-to_side, to_side], 4), sides.shape[:2])
     corners = np.stack([sides[..., 0], deep, sides[..., 1]], axis=-1)
     # Of one block, by its eight corners, those at the near side first.
     ends = [(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)]

@@ -12,7 +12,6 @@ FOV = math.radians(40.0)
 
 Direction = tuple[float, float, float]
 """From the scene's middle to a camera, in its distance."""
-FROM_THE_RIGHT: Direction = (-0.06, -1.0, 0.06)
 Pose = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Position and target of a camera [m]."""
 
@@ -26,14 +25,14 @@ class Framing:
         direction: in which the camera is.
     """
 
-    def __init__(self, top: float, wide: float, direction: Direction = FROM_THE_RIGHT):
+    def __init__(self, top: float, wide: float, direction: Direction = (-0.06, -1.0, 0.06)):
         self.top, self.wide, self.direction = top, wide, direction
 
     def of_window(self, width: int, height: int) -> Pose:
         """Return the pose for a window in pixels; for the usual one if its size is unknown."""
-        known = width > 0 and height > 0
-        aspect = width / height if known else 1.2
-        share = page_style.SCENE_SHARE if known and width <= page_style.PHONE_PX else 1.0
+        has_size = width > 0 and height > 0
+        aspect = width / height if has_size else 1.2
+        share = page_style.SCENE_SHARE if has_size and width <= page_style.PHONE_PX else 1.0
         middle = 0.45 * self.top
         tall = max(self.top / share, self.wide / aspect)
         away = 0.5 * tall / math.tan(0.5 * FOV)
@@ -56,10 +55,10 @@ class Framing:
 
             def frame() -> None:
                 pose = self.of_window(camera.image_width, camera.image_height)
-                wanted = np.array(pose[0])
-                here = _is_one_of(camera.position, [wanted])
+                place = np.array(pose[0])
+                here = _is_one_of(camera.position, [place])
                 if ours and _is_one_of(camera.position, ours) and not here:
-                    ours.append(wanted)
+                    ours.append(place)
                     camera.position, camera.look_at = pose
 
             @camera.on_update

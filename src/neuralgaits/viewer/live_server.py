@@ -18,11 +18,8 @@ from neuralgaits.errors import InputError
 PORT = 8080
 """First port that is tried if none was requested."""
 _TRIES = 100
-_PANEL_PX = 370
-"""Width of the controls beside the scene [px]."""
 _LARGEST_PORT = 65535
 LOOPBACK = "127.0.0.1"
-_EVERYWHERE = ("0.0.0.0", "::", "")
 
 
 class LocalServer(viser.ViserServer):
@@ -52,7 +49,7 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
         raise InputError(f"expected port {free_port} to be free, found it taken: {_REMEDY}")
     server.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(11, 87, 164))
     server.gui.main_panel.dock_right()
-    server.gui.main_panel.set_width(_PANEL_PX)
+    server.gui.main_panel.set_width(370)
     return server
 
 
@@ -65,14 +62,13 @@ def _keep_visitors_quiet() -> None:
     # A visitor may also leave, or the page end, while an answer is on its way.
     warnings.filterwarnings("ignore", message=r"Queued a \w+ on a closed connection")
     warnings.filterwarnings("ignore", message=r"\[viser\] .* does not match annotation")
-    for library in _TALKATIVE:
+    # They report visitors' messages; without a handler Python prints them to stderr.
+    for library in "websockets", "asyncio":
         logger = logging.getLogger(library)
         if not logger.handlers:
             logger.addHandler(logging.NullHandler())
 
 
-_TALKATIVE = "websockets", "asyncio"
-"""Loggers that report visitors' messages; without a handler Python prints them to stderr."""
 _REMEDY = "leave --port away to have a free one chosen, or name another"
 
 
@@ -133,7 +129,7 @@ def is_loopback(host: str) -> bool:
 
 def url(host: str, port: int) -> str:
     """Return the address of the page for a browser on this machine."""
-    name = LOOPBACK if host in _EVERYWHERE else host
+    name = LOOPBACK if host in ("0.0.0.0", "::", "") else host
     return f"http://[{name}]:{port}" if ":" in name else f"http://{name}:{port}"
 
 

@@ -2,12 +2,10 @@
 
 import re
 
-_MARKS = re.compile(r"([\\`*_{}\[\]()<>#|~!&])")
-
 
 def text(words: str) -> str:
     """Escape every mark of Markdown in a text."""
-    return _MARKS.sub(r"\\\1", _one_line(words))
+    return re.sub(r"([\\`*_{}\[\]()<>#|~!&])", r"\\\1", _one_line(words))
 
 
 def code(words: str) -> str:

@@ -231,9 +231,9 @@ class Panel:
         """Return the lines about the walk, as HTML."""
         shown: WalkFrame = picture.shown
         lines = walk_line(picture, shown, self._player.speed)
-        said = line(self._answer, SAID) if self._answer_left else ""
-        known = _speeds(shown) + lean_html(shown.lean) + membership_lines(shown.memberships)
-        return lines + known + said
+        estimates = _speeds(shown) + lean_html(shown.lean) + membership_lines(shown.memberships)
+        answer = line(self._answer, SAID) if self._answer_left else ""
+        return lines + estimates + answer
 
     def _of_lap(self, picture: Picture) -> str | None:
         """Return a message when the robot has reached the end of the ground, once for each time."""

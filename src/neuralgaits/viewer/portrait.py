@@ -10,8 +10,10 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 
-WIDTH_PX, HEIGHT_PX, DPI = 1320, 760, 150
-"""Size and resolution of the picture."""
+WIDTH_PX, HEIGHT_PX = 1320, 760
+"""Size of the picture."""
+DPI = 150
+"""Resolution of the picture."""
 _CORNER, _SIZE = np.array([0.08, 0.145]), np.array([0.91, 0.75])
 """Lower left corner and size of the plane, as shares of the picture."""
 _FLOW, _INK, _ORBIT, _GUARD = "#848c95", "#767d86", "#1a63b8", "#a066c4"

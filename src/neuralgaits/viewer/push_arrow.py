@@ -7,12 +7,6 @@ from neuralgaits._types import Float
 
 RED = (214, 39, 40)
 """Colour of a push and of the moving point [RGB]."""
-_M_PER_N = 0.0022
-"""Length of the arrow for a force [m/N]."""
-_GAP = 0.06
-"""Distance of its tip from the place that is pushed, along each axis [m]."""
-_SHOWN_S = 0.5
-"""Simulated time for which it is shown after the push has begun; the push lasts a fifth of it."""
 
 
 class PushArrow:
@@ -37,11 +31,13 @@ class PushArrow:
     ) -> None:
         """Show a force [N] at a place [m], at a simulated time [s]; hide what is over."""
         if np.any(force):
-            tip = place - np.sign(force) * _GAP
-            points = np.stack([tip - _M_PER_N * force, tip])
+            gap = 0.06  # Distance of the tip from the place that is pushed, along each axis [m].
+            tip = place - np.sign(force) * gap
+            m_per_n = 0.0022
+            points = np.stack([tip - m_per_n * force, tip])
             self._arrow.points = points[None].astype(np.float32)
             self._arrow.visible = True
-            self._until = time + _SHOWN_S
+            self._until = time + 0.5  # The push lasts a fifth of that.
         elif self._arrow.visible and not time < self._until:
             self.hide()
 

@@ -19,15 +19,6 @@ from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown
 
-MANY_BOXES = 10_000_000
-"""A proof of more boxes is checked by the C++ checker, in minutes."""
-
-_COMPARED = (
-    "**Inside the proved set** compares the controller's state with the set that a level is about. "
-    "That set is one of the model under the proof's own controller: inside, this robot may still "
-    "fall, and outside, nothing is proved."
-)
-
 
 class Sureness(NamedTuple):
     """Evidence for a gait, as shown on the page."""
@@ -75,7 +66,12 @@ def how_sure(run: Run) -> Sureness:
     verdict = f"{verdict_of(reading.summary, reading.part)} {watched}"
     monitor = _monitor(run, reading)
     if monitor is not None:
-        text += f"\n\n{_COMPARED}"
+        comparison = (
+            "**Inside the proved set** compares the controller's state with the set that a level "
+            "is about. That set is one of the model under the proof's own controller: inside, this "
+            "robot may still fall, and outside, nothing is proved."
+        )
+        text += f"\n\n{comparison}"
     within = reading.summary.parameters.get(LEAN) if reading.summary.proved_level >= 2 else None
     theorem = _theorem(reading.summary)
     return Sureness(True, verdict, text, reading.map_fits, theorem, monitor, within)
@@ -140,7 +136,8 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
     if answer.proof:
         file = named(packed.place(run.path / PROOF))
         check = command("check-proof", file, "--run", named(run.path))
-        if answer.boxes > MANY_BOXES:
+        many_boxes = 10_000_000
+        if answer.boxes > many_boxes:
             # In Python that many take hours or days.
             check = f"make proofcheck && build/proofcheck {file}"
         lines.append(f"{markdown.code(check)} checks every box of it.")

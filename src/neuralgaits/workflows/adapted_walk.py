@@ -15,9 +15,6 @@ from neuralgaits.records.adapted_speeds import LearnedLean
 from neuralgaits.simulation.metrics import adapted_speeds, believed_lean, believed_slope
 from neuralgaits.simulation.walk import Walk
 
-SEQUENCES = 2
-"""Lowest level that is about more than one step: about walks for ever, whatever they are told."""
-
 
 def adaptation(run: Run, walk: Walk, names: tuple[str, ...]) -> dict[str, Any]:
     """Return the fields of a walk whose commands were adapted, such as `adapted`, by name.
@@ -55,7 +52,9 @@ def proved_sequences(certificate: CertificateReading) -> int | None:
     ):
         return None
     level = certificate.summary.proved_level
-    return level if level >= SEQUENCES else None
+    # The lowest level about more than one step: about walks for ever, under any commands.
+    lowest = 2
+    return level if level >= lowest else None
 
 
 def _learned_lean(run: Run, walk: Walk) -> LearnedLean | None:

@@ -13,18 +13,6 @@ from neuralgaits.records.installed import Finding, Machine
 
 _RENDER = "from neuralgaits.simulation.video import trial; trial()"
 """Code that does the first part of `simulate --video`."""
-_RENDER_TIMEOUT_S = 60.0
-_EXTRAS = {
-    "video": ("imageio_ffmpeg", "imageio-ffmpeg", "videos"),
-    "hzd": ("casadi", "CasADi", "`optimise`"),
-    "drake": ("pydrake", "Drake", "`simulate --simulator drake`"),
-    "onnx": ("onnxruntime", "ONNX Runtime", "`export --format onnx` and `vnnlib`"),
-    "mcap": ("mcap", "MCAP", "logs in MCAP"),
-    "deploy": ("yaml", "PyYAML", "deployment files"),
-    "gym": ("gymnasium", "Gymnasium", "`neuralgaits.gym_env`"),
-    "ray": ("ray", "Ray", "`--ray`"),
-}
-"""Extras that only some verbs need: the module that each brings, its name, and its purpose."""
 
 
 def doctor() -> Machine:
@@ -34,8 +22,19 @@ def doctor() -> Machine:
         `neuralgaits` (version) and python, device, x64, opengl, video, compiler, hzd, drake, onnx,
         mcap, deploy, gym, ray: {ok, needed, found, fix} each.
     """
+    # Extras that only some verbs need: the module that each brings, its name, and its purpose.
+    extras = {
+        "video": ("imageio_ffmpeg", "imageio-ffmpeg", "videos"),
+        "hzd": ("casadi", "CasADi", "`optimise`"),
+        "drake": ("pydrake", "Drake", "`simulate --simulator drake`"),
+        "onnx": ("onnxruntime", "ONNX Runtime", "`export --format onnx` and `vnnlib`"),
+        "mcap": ("mcap", "MCAP", "logs in MCAP"),
+        "deploy": ("yaml", "PyYAML", "deployment files"),
+        "gym": ("gymnasium", "Gymnasium", "`neuralgaits.gym_env`"),
+        "ray": ("ray", "Ray", "`--ray`"),
+    }
     basic = (_python(), _device(), _double_precision(), _opengl())
-    video, *others = (_extra(name, *about) for name, about in _EXTRAS.items())
+    video, *others = (_extra(name, *about) for name, about in extras.items())
     findings = (*basic, video, _compiler(), *others)
     ready = all(finding.ok for finding in findings if finding.needed)
     return Machine(ready, __version__, *findings)
@@ -93,7 +92,7 @@ def _renders(backend: str | None = None) -> bool:
             [sys.executable, "-c", _RENDER],
             env=environment,
             capture_output=True,
-            timeout=_RENDER_TIMEOUT_S,
+            timeout=60.0,
         )
     except subprocess.TimeoutExpired:
         return False

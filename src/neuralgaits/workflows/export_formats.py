@@ -18,7 +18,6 @@ from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.exported import ExportRecord, MonitorExport, UncheckedExport
 
-NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format {}, found no {}: "
     "pip install 'neuralgaits[onnx]'"
@@ -65,7 +64,8 @@ def _check_c(
     """Compare the controller in C with Python. Returns: the factory of its record."""
     if not compilers:
         monitor = None if design.monitor is None else MonitorExport(design.monitor.levels)
-        return partial(UncheckedExport, reason=NO_COMPILER, monitor=monitor)
+        reason = "no C compiler: the files are written and not checked; install gcc or clang"
+        return partial(UncheckedExport, reason=reason, monitor=monitor)
     with output_folder.scratch(files | output_folder.harness()) as place:
         return check_controller(design, reference, place, compilers, states)
 

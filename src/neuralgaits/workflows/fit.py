@@ -30,8 +30,8 @@ from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL
 from neuralgaits.settings import FitSettings, called_with
 
-SAMPLES, STEP_S = 3, 0.01
-"""Samples and spacing [s] of the windows that are learned from (as in the paper's code)."""
+STEP_S = 0.01
+"""Spacing of the samples of a window [s], as in the paper's code."""
 JUDGED_SAMPLES = 11
 """Samples of the windows on which errors are reported: 0.1 s."""
 
@@ -120,18 +120,16 @@ def _long_enough(strides: Sequence[Stride]) -> tuple[list[Stride], int]:
     return long, sum(stride.t.size for stride in strides) - sum(stride.t.size for stride in long)
 
 
-_LEFT_OUT = {
-    "falling": "joints are far from what the gait asks, or the hip far from above the foot: it "
-    "falls there, or a sign, a zero or a unit is not the robot file's",
-    "standing": "one leg stands for longer than a step: the robot stands still there, or contacts "
-    "do not tell one leg from the other",
-}
-
-
 def _dealt(strides: Sequence[Stride], seed: int, left_out: Mapping[str, int], rows: int) -> Split:
     if len(strides) < 3:
         remedy = "walk longer or give more logs"
-        for why, meaning in _LEFT_OUT.items():
+        meanings = {
+            "falling": "joints are far from what the gait asks, or the hip far from above the "
+            "foot: it falls there, or a sign, a zero or a unit is not the robot file's",
+            "standing": "one leg stands for longer than a step: the robot stands still there, or "
+            "contacts do not tell one leg from the other",
+        }
+        for why, meaning in meanings.items():
             if 2 * left_out[why] > rows:
                 remedy = f"{left_out[why]} of {rows} rows are left out, because {meaning}"
         raise InputError(
@@ -142,7 +140,7 @@ def _dealt(strides: Sequence[Stride], seed: int, left_out: Mapping[str, int], ro
 
 
 def _windows(strides: Sequence[Stride]) -> Windows:
-    return walks.windows(strides, samples=SAMPLES, step=STEP_S)
+    return walks.windows(strides, samples=3, step=STEP_S)
 
 
 def _judging_windows(strides: Sequence[Stride]) -> Windows:

@@ -30,9 +30,8 @@ from neuralgaits.runs.hashes import file_hashes, sha256
 from neuralgaits.runs.names import JOINTS
 from neuralgaits.runs.outputs import refuse_outputs
 
-FEWEST_STRIDES, FEWEST_WINDOWS = 10, 20
-"""Least number of strides, and of windows of each joint, in logs that joints are identified
-from."""
+FEWEST_STRIDES = 10
+"""Least number of strides in logs that joints are identified from."""
 LONGEST_DELAY_S = 0.05
 """Longest time by which torques act late or early: beyond, they are not those of the motion."""
 HELD_OUT = 5
@@ -138,10 +137,11 @@ def _estimate(
     trained: Run, place: int, windows: JointWindows, heldout: JointWindows
 ) -> JointEstimate:
     """Return the estimates of a joint, by its place in a leg."""
-    fewest = min(len(windows.torque), FEWEST_WINDOWS * len(heldout.torque))
-    if fewest < FEWEST_WINDOWS or len(np.unique(windows.stride)) < FEWEST_STRIDES // 2:
+    least = 20  # Windows of a joint.
+    fewest = min(len(windows.torque), least * len(heldout.torque))
+    if fewest < least or len(np.unique(windows.stride)) < FEWEST_STRIDES // 2:
         raise InputError(
-            f"logs: expected {FEWEST_WINDOWS} windows of {WINDOW_S:g} s or more in which joint "
+            f"logs: expected {least} windows of {WINDOW_S:g} s or more in which joint "
             f"{windows.names[0]} turns at {SLOWEST_RAD_S:g} rad/s or faster all through, found "
             f"{len(windows.torque)}: walk longer or faster"
         )

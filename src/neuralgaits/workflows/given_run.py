@@ -21,9 +21,6 @@ from neuralgaits.runs import RunFolder, finish
 from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows.train import violations
 
-SAMPLES = 2000
-"""Random samples in each box of a region, on which the conditions are measured."""
-
 _NO_SOLUTION = "its zero dynamics have no finite solution"
 
 
@@ -153,4 +150,5 @@ def _measured(spec: GaitSpec, program: Program) -> dict[str, Violations]:
 
 def _draw_in(box: Box, rng: np.random.Generator) -> np.ndarray:
     low, high = np.array(box.low), np.array(box.high)
-    return low + (high - low) * rng.random((SAMPLES, 2))
+    samples = 2000
+    return low + (high - low) * rng.random((samples, 2))

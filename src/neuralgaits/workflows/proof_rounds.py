@@ -32,7 +32,8 @@ ROUNDS = 10
 """Repairs after which a training gives up."""
 SHARE = 0.25
 """Gradient steps of a repair, as a share of those of the recipe."""
-REPAIR, HISTORY = names.REPAIR, names.ROUNDS
+REPAIR = names.REPAIR
+HISTORY = names.ROUNDS
 
 
 class RepairState(NamedTuple):

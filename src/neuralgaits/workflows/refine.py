@@ -17,9 +17,6 @@ from neuralgaits.settings import RefineSettings, called_with
 from neuralgaits.settings.forms import LEARNED
 from neuralgaits.workflows.train import train_to_the_end
 
-RATE = 0.5
-"""Learning rate, as a share of that of the recipe."""
-
 
 @called_with(RefineSettings)
 def refine(settings: RefineSettings) -> Run:
@@ -57,7 +54,7 @@ def refine(settings: RefineSettings) -> Run:
         parent.config,
         seed=settings.seed,
         steps=usual_steps if settings.steps is None else settings.steps,
-        rate=RATE,
+        rate=0.5,  # Of the recipe's.
         disturbance=disturbance,
         certify=Proving(settings.budget) if settings.certify else None,
         parent=str(parent.path),

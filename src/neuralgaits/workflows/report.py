@@ -35,8 +35,6 @@ from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.figures import FOLDER, draw, writable_figures
 from neuralgaits.workflows.inspect import inspect
 
-FILE = "report.html"
-
 
 @dataclass(frozen=True)
 class Report:
@@ -75,7 +73,7 @@ def write_report(
     if (task := task_with("report", arguments)) is not None:
         return task(ProgressCallbacks(begun=begun)).returned
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
-    path = folder.path / FILE if out is None else Path(out)
+    path = folder.path / "report.html" if out is None else Path(out)
     refuse_outputs([path], run=folder.path)
     if path.suffix.lower() not in ("", ".html", ".htm"):
         raise InputError(f"expected --out as a file *.html, found {path}: the report is a page")

@@ -40,9 +40,6 @@ from neuralgaits.sweeps.sweep_folder import SweepFolder
 from neuralgaits.sweeps.sweep_table import to_csv
 from neuralgaits.workflows.sweep_row import carry_out, row_of
 
-WALKS, WALK_STEPS = 4, 25
-"""Walks under each disturbance, from random states of the region, and the steps requested of
-each."""
 MOST_ROWS = 1_000_000
 """Most rows of a sweep; a larger number is taken for a typing error."""
 
@@ -171,7 +168,8 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
         "budget": None,
         "controllers": ("pd",),
         "disturbances": None,
-        "walks": WALKS,
+        # Under each disturbance, from random states of the region.
+        "walks": 4,
     }
     settings = defaults | dict(values)
     if settings["disturbances"] is None:
@@ -182,7 +180,7 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
     config = SweepConfig(
         format=FORMAT,
         robots=names,
-        walk_steps=WALK_STEPS,
+        walk_steps=25,
         sha256={name: sha256(content) for name, content in inputs.items()},
         **settings,
     )

@@ -137,9 +137,9 @@ def view(
     Raises: InputError, RobotError or RunError with one line.
     """
     live_server.refuse_no_port(port)
-    asked = {"run": run, "port": port, "terrain": terrain}
-    given = {name: value for name, value in asked.items() if value is not None}
-    if (task := task_with("view", given | {"host": host})) is not None:
+    options = {"run": run, "port": port, "terrain": terrain}
+    options = {name: value for name, value in options.items() if value is not None}
+    if (task := task_with("view", options | {"host": host})) is not None:
         page: LivePage = task(ProgressCallbacks()).returned
         return page
     return LiveView(open_run(run), host, port, None if terrain is None else str(terrain))

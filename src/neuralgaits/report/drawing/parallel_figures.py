@@ -14,9 +14,6 @@ from matplotlib.figure import Figure
 from neuralgaits._own_process import command_of, environment_of
 from neuralgaits.report.drawing.figure import paths_of, write
 
-PATIENCE_S = 300.0
-"""Time after which a process that has not written its half is abandoned [s]."""
-
 
 class FigureFile(NamedTuple):
     """A figure and the files that it becomes, `folder/name.png` and `folder/name.svg`."""
@@ -71,8 +68,9 @@ def write_all(sheets: Sequence[FigureFile], pen: Pen | None) -> list[tuple[Path,
 
 def _hand_over(pen: Pen, sheets: Sequence[FigureFile]) -> bool:
     """Let the other process write these figures. Returns: whether it succeeded."""
+    patience_s = 300.0  # A process that has not written its half by then is abandoned.
     try:
-        pen.communicate(pickle.dumps([tuple(sheet) for sheet in sheets]), timeout=PATIENCE_S)
+        pen.communicate(pickle.dumps([tuple(sheet) for sheet in sheets]), timeout=patience_s)
     except (OSError, pickle.PicklingError, TypeError, AttributeError, subprocess.TimeoutExpired):
         pen.kill()
         return False

@@ -10,9 +10,6 @@ from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import RunContents
 from neuralgaits.runs.shell_words import command
 
-_LEAST = 2
-"""Lowest level that is about a set of states."""
-
 
 def monitored(saved: RunContents, simulation: SimulationSummary) -> Html:
     """Return how much of a simulation was in the sets of the run's proof.
@@ -20,7 +17,7 @@ def monitored(saved: RunContents, simulation: SimulationSummary) -> Html:
     Without a proof of such a set there is nothing to say; without figures of this proof there is
     the command that makes them.
     """
-    if saved.confirmed_level < _LEAST:
+    if saved.confirmed_level < 2:  # Level 1 is about no set of states.
         return Html("")
     figures = simulation.monitor
     if figures is None or figures.proof_sha256 != saved.hashes.get(PROOF):

@@ -14,9 +14,6 @@ from neuralgaits.report.page.saved import Contents, RunContents
 from neuralgaits.runs import plain
 from neuralgaits.runs.shell_words import command
 
-OTHER_SPEED = 0.05
-"""Share of the orbit's speed by which walks may differ from it without a word."""
-
 
 def animation(contents: Contents) -> Html:
     """Return the walk as a 3-D picture that turns, beside the moving point in the plane of z."""
@@ -199,7 +196,9 @@ def _remarks(simulation: SimulationSummary) -> list[str]:
     """Describe what a reader of the means and extremes may overlook."""
     remarks = []
     orbit = None if simulation.poincare is None else simulation.poincare.speed_m_s
-    if orbit and simulation.speed_m_s and abs(simulation.speed_m_s / orbit - 1.0) > OTHER_SPEED:
+    # Share of the orbit's speed by which walks may differ from it without a word.
+    noticeable = 0.05
+    if orbit and simulation.speed_m_s and abs(simulation.speed_m_s / orbit - 1.0) > noticeable:
         remarks.append(
             f"The walks had {html.number(simulation.speed_m_s)} m/s, and the model's orbit has "
             f"{html.number(orbit)} m/s: a proof is about the model, whose contact is rigid and "

@@ -8,12 +8,6 @@ from xml.etree import ElementTree
 
 from neuralgaits.errors import RobotError
 
-MOST_VALUES = 10**8
-"""Largest number of values of one asset: pixels of a texture, heights of a field."""
-MOST_OF_SIZE = 10**4
-"""Largest number in <size>, but for its memory."""
-MOST_OF_STACK = 10**7
-"""Largest nstack in <size>, which older files set to hundreds of thousands."""
 _COPIES = {"replicate": "count", "composite": "count", "flexcomp": "count"}
 _ASSETS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 
@@ -39,10 +33,12 @@ def refuse_large_counts(text: str) -> None:
             _refuse(tag, copies, most_copies, "copies")
         if tag in _ASSETS:
             sides = " ".join(element.get(name, "1") for name in _ASSETS[tag])
-            _refuse(tag, _product(sides), MOST_VALUES, "values")
+            # Pixels of a texture, or heights of a field.
+            _refuse(tag, _product(sides), 10**8, "values")
         if tag == "size":
             for name in set(element.attrib) - {"memory"}:
-                most = MOST_OF_STACK if name == "nstack" else MOST_OF_SIZE
+                # Older files set nstack to hundreds of thousands.
+                most = 10**7 if name == "nstack" else 10**4
                 _refuse(f"size {name}", _product(element.attrib[name]), most, "elements")
         left += [(child, copies) for child in element]
 

@@ -10,16 +10,6 @@ from neuralgaits.robots.mjcf.elements import Element, match_elements, parse
 from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
-_TITLE = "Changed by neuralgaits, to be treated as a planar biped:"
-_NAMED = {
-    "joint": ("joint", "joint1", "joint2", "jointinparent"),
-    "actuator": ("actuator",),
-    "tendon": ("tendon", "tendon1", "tendon2"),
-    "geom": ("geom", "geom1", "geom2"),
-}
-"""Attributes with which an element refers to another by name, beside objtype with objname."""
-_REFERRING = ("sensor", "actuator", "custom")
-
 
 class MjcfEdit:
     """A robot file whose elements are changed one by one.
@@ -27,7 +17,7 @@ class MjcfEdit:
     Attributes:
         root: root element of the file.
         model: the file as last compiled.
-        found: elements of the model's bodies, joints, geoms and actuators.
+        elements: elements of the model's bodies, joints, geoms and actuators.
         changes: changes made so far, one line each.
     """
 
@@ -45,7 +35,7 @@ class MjcfEdit:
         if text != self._compiled:  # Most changes find nothing to change in most files.
             self.model = compile_text(text, self._name)
             self._compiled = text
-        self.found = match_elements(self.root, self.model)
+        self.elements = match_elements(self.root, self.model)
 
     def at_zero(self) -> mujoco.MjData:
         """Return the model's data with all coordinates at zero."""
@@ -72,7 +62,7 @@ class MjcfEdit:
         """Record one line about a change."""
         self.changes.append(change)
 
-    def text(self, title: str = _TITLE) -> str:
+    def text(self, title: str = "Changed by neuralgaits, to be treated as a planar biped:") -> str:
         """Return the file's text with all changes, and a comment that lists them under a title."""
         lines = "\n       ".join((title, *self.changes)).replace("--", "- -")
         body = ElementTree.tostring(self.root, encoding="unicode").rstrip()
@@ -82,7 +72,7 @@ class MjcfEdit:
         """Return a name that no element has where one of this kind is looked up."""
         tags = ("joint", "freejoint") if tag == "joint" else (tag,)
         if tag == "actuator":
-            used = {element.get("name") for element in self.found.actuators}
+            used = {element.get("name") for element in self.elements.actuators}
         else:
             used = {element.get("name") for one in tags for element in self.root.iter(one)}
         names = (wish, *(f"{wish}_{count}" for count in range(2, len(used) + 3)))
@@ -129,7 +119,7 @@ class MjcfEdit:
             kind: joint, actuator, tendon or geom.
             names: of those.
         """
-        for section in _REFERRING:
+        for section in ("sensor", "actuator", "custom"):
             for part in self.root.findall(section):
                 for element in list(part):
                     if isinstance(element.tag, str) and any(
@@ -138,7 +128,14 @@ class MjcfEdit:
                         self._drop_reference(section, element)
 
     def _refers(self, element: Element, kind: str, names: Collection[str]) -> bool:
-        if any(element.get(attribute) in names for attribute in _NAMED[kind]):
+        # Attributes that name another element, beside objtype with objname.
+        attributes = {
+            "joint": ("joint", "joint1", "joint2", "jointinparent"),
+            "actuator": ("actuator",),
+            "tendon": ("tendon", "tendon1", "tendon2"),
+            "geom": ("geom", "geom1", "geom2"),
+        }
+        if any(element.get(attribute) in names for attribute in attributes[kind]):
             return True
         objects = (("objtype", "objname"), ("reftype", "refname"))
         return any(element.get(a) == kind and element.get(b) in names for a, b in objects)
@@ -160,7 +157,7 @@ class MjcfEdit:
             why: for the line about it.
         """
         for number in numbers:
-            element = self.found.actuators[number]
+            element = self.elements.actuators[number]
             name = element.get("name", "")
             self.remove(element)
             self.say(f"motor {name or 'without a name'}: removed, {why}")

@@ -14,9 +14,6 @@ import mujoco
 from neuralgaits.errors import RobotError
 
 Element = ElementTree.Element
-_PROLOGUE = re.compile(r"\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*", re.S)
-_MAKES_BODIES = ("replicate", "composite", "flexcomp", "attach")
-"""Elements from which MuJoCo makes bodies that have no element of their own."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +38,8 @@ def parse(text: str) -> tuple[str, Element]:
 
     Returns: the text in front of the root element, and the root element.
     """
-    prologue = _PROLOGUE.match(text)
+    before_root = r"\s*(?:<\?xml.*?\?>\s*)?(?:<!--.*?-->\s*)*"
+    prologue = re.match(before_root, text, re.DOTALL)
     parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
     start = "" if prologue is None else prologue.group()
     return start, ElementTree.fromstring(text[len(start) :], parser)
@@ -56,7 +54,8 @@ def match_elements(root: Element, model: mujoco.MjModel) -> Elements:
 
     Raises: RobotError if the file makes bodies by other elements than <body>.
     """
-    for tag in _MAKES_BODIES:
+    # Elements from which MuJoCo makes bodies that have no element of their own.
+    for tag in ("replicate", "composite", "flexcomp", "attach"):
         if root.find(f"worldbody//{tag}") is not None:
             raise RobotError(f"the file makes bodies by <{tag}>: write them out as <body>")
     worlds = root.findall("worldbody")

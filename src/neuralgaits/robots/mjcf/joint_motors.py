@@ -5,12 +5,6 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-_MODEL_OF_TORQUE = (
-    int(mujoco.mjtDyn.mjDYN_NONE),
-    int(mujoco.mjtGain.mjGAIN_FIXED),
-    int(mujoco.mjtBias.mjBIAS_NONE),
-)
-
 
 @dataclass(frozen=True)
 class MotorChoice:
@@ -53,7 +47,12 @@ def is_plain_motor(model: mujoco.MjModel, actuator: int) -> bool:
         int(model.actuator_gaintype[actuator]),
         int(model.actuator_biastype[actuator]),
     )
-    return settings == _MODEL_OF_TORQUE
+    torque_motor = (
+        int(mujoco.mjtDyn.mjDYN_NONE),
+        int(mujoco.mjtGain.mjGAIN_FIXED),
+        int(mujoco.mjtBias.mjBIAS_NONE),
+    )
+    return settings == torque_motor
 
 
 def _servo_limit(model: mujoco.MjModel, joint: int, actuator: int) -> float | None:

@@ -6,8 +6,6 @@ from typing import NamedTuple
 from neuralgaits.robots.mjcf.edit import MjcfEdit
 from neuralgaits.robots.mjcf.loader import robot_from_text
 
-_TITLE = "Numbers of joints identified from logs by neuralgaits fit:"
-
 
 class JointConstants(NamedTuple):
     """Constants of a joint that its robot file has, and one that it has not.
@@ -34,7 +32,7 @@ def text_with_joints(text: str, name: str, joints: Mapping[str, JointConstants])
     Raises: RobotError if the result cannot be loaded.
     """
     edit = MjcfEdit(text, name)
-    for number, element in enumerate(edit.found.joints):
+    for number, element in enumerate(edit.elements.joints):
         joint = edit.model.joint(number).name
         if joint not in joints:
             continue
@@ -46,6 +44,7 @@ def text_with_joints(text: str, name: str, joints: Mapping[str, JointConstants])
             f"{constants.damping:.6g} N m s/rad; dry friction of {constants.friction:.6g} N m is "
             "not part of the model"
         )
-    changed = edit.text(_TITLE)
+    title = "Numbers of joints identified from logs by neuralgaits fit:"
+    changed = edit.text(title)
     robot_from_text(changed, name)
     return changed

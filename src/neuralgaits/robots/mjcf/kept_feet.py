@@ -7,9 +7,6 @@ from neuralgaits.robots.mjcf.planar_tree import read_tree
 from neuralgaits.robots.mjcf.point_feet import name_foot, picture_only
 from neuralgaits.robots.mjcf.skeleton import find_legs
 
-_LONGEST_LEG = 3
-"""Largest number of links of a supported leg, its foot included."""
-
 
 def keep_flat_feet(edit: MjcfEdit) -> None:
     """Name the soles of both feet, and take contact with the floor from everything else.
@@ -18,7 +15,7 @@ def keep_flat_feet(edit: MjcfEdit) -> None:
     """
     floor, data, tree = edit.floor(), edit.at_zero(), read_tree(edit.model)
     assert floor is not None  # A level one was laid where there was none.
-    _, legs, _ = find_legs(tree, _LONGEST_LEG)
+    _, legs, _ = find_legs(tree, 3)  # At most three links a leg, its foot included.
     soles = []
     for leg in legs:
         link = tree.links[leg[0]]

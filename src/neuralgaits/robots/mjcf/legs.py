@@ -12,12 +12,6 @@ from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
 from neuralgaits.robots.mjcf.refuse_or_note import attempt, notes_problems, refuse
 from neuralgaits.robots.mjcf.skeleton import Skeleton
 
-_LEG_TOLERANCE = 1e-6
-_MIN_LENGTH_M = 1e-6
-_NO_MOTOR = Motor("", np.nan, np.nan)
-_NO_RANGE = (np.nan, np.nan)
-
-_OF_JOINTS = ("armature", "damping", "torque_limit", "lower", "upper")
 _QUANTITIES = {
     "length": "link length [m]",
     "com": "centre of mass [m]",
@@ -69,7 +63,7 @@ def link_directions(tree: PlanarTree, skeleton: Skeleton) -> dict[int, tuple[com
                 if place == len(leg) - 1
                 else _joint_anchor(tree, index, leg[place + 1])
             )
-            if abs(upper - lower) < _MIN_LENGTH_M:
+            if abs(upper - lower) < 1e-6:  # [m]
                 refuse(
                     f"body {tree.links[index].name} has no length: its lower and upper joint (or "
                     "foot) are at one point; move one of them"
@@ -125,7 +119,7 @@ def _leg_joint(
     joint = tree.links[lower if lower_is_child else upper].joint
     sign = -joint.sign if lower_is_child else joint.sign
     offset = float(np.angle(lines[upper][1] / lines[lower][1]))
-    motor = attempt(_NO_MOTOR, read_motor, model, joint.index)
+    motor = attempt(Motor("", np.nan, np.nan), read_motor, model, joint.index)
     return LegJoint(joint, sign, offset, motor)
 
 
@@ -141,12 +135,13 @@ def leg_data(
     Raises: RobotError naming the first quantity and bodies that differ.
     """
     first, second = (_one_leg(model, tree, skeleton, lines, joints[i], i) for i in range(2))
+    joint_fields = ("armature", "damping", "torque_limit", "lower", "upper")
     for field in fields(LegData):
         one, other = getattr(first, field.name), getattr(second, field.name)
         for leg, values in enumerate((one, other)):
             for i, value in enumerate(values):
                 where = f"body {tree.links[skeleton.legs[leg][i]].name}"
-                if field.name in _OF_JOINTS:
+                if field.name in joint_fields:
                     where = f"joint {joints[leg][i].joint.name}"
                 refuse_quantity(field.name, _QUANTITIES[field.name], value.real, where)
         if notes_problems():
@@ -159,7 +154,7 @@ def leg_data(
                 continue
         largest = np.nanmax if notes_problems() else np.max
         scale = max(largest(np.abs(one), initial=1e-12), largest(np.abs(other), initial=1e-12))
-        wrong = np.flatnonzero(np.abs(one - other) > _LEG_TOLERANCE * scale)
+        wrong = np.flatnonzero(np.abs(one - other) > 1e-6 * scale)
         if wrong.size:
             i = int(wrong[0])
             names = [tree.links[leg[i]].name for leg in skeleton.legs]
@@ -216,6 +211,6 @@ def _one_leg(
 
 
 def _range(model: mujoco.MjModel, joint: LegJoint) -> tuple[float, float]:
-    ends = attempt(_NO_RANGE, read_range, model, joint.joint.index)
+    ends = attempt((np.nan, np.nan), read_range, model, joint.joint.index)
     ends = sorted(joint.sign * end + joint.offset for end in ends)
     return ends[0], ends[1]

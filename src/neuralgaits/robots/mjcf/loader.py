@@ -37,9 +37,6 @@ from neuralgaits.robots.mjcf.refused_physics import refuse_unmodelled_physics
 from neuralgaits.robots.mjcf.skeleton import Skeleton, read_skeleton
 from neuralgaits.robots.mjcf.text import standalone_text
 
-_NAMES_FILES = re.compile(r"file\w*\s*=")
-"""Attributes of MJCF whose value is a file: meshes, height fields, textures."""
-
 
 class _Parts(NamedTuple):
     """A robot file by role: the compiled model and what was read from it.
@@ -124,7 +121,7 @@ def _read(text: str, name: str) -> _Parts:
     A page, a proof and a run read the same text several times: the last few results are kept, and
     nobody changes them. A text that names files is read anew, since they may have changed.
     """
-    return (_read_anew if _NAMES_FILES.search(text) else _read_once)(text, name)
+    return (_read_anew if re.search(r"file\w*\s*=", text) else _read_once)(text, name)
 
 
 def _read_anew(text: str, name: str) -> _Parts:

@@ -8,8 +8,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.robots.mjcf.foot_geoms import extent
 
-_SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
-
 
 def low_points(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Float[np.ndarray, "p 2"]:
     """Return points of a geom, x and z in the world (m), the lowest among them.
@@ -26,7 +24,8 @@ def low_points(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Float[n
         ends = place + np.outer((-size[1], size[1]), turn[:, 2])
         return ends[:, [0, 2]] - np.array([0.0, size[0]])
     if kind == int(shapes.mjGEOM_BOX):
-        return (place + (_SIGNS * size) @ turn.T)[:, [0, 2]]
+        signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+        return (place + (signs * size) @ turn.T)[:, [0, 2]]
     if kind == int(shapes.mjGEOM_MESH):
         mesh = int(model.geom_dataid[geom])
         start, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])

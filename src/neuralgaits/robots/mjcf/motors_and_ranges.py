@@ -15,8 +15,6 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import joint_name
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
-MOST_RANGE = 4.0 * math.pi
-"""Largest range of a joint [rad]: no leg joint turns twice around; 180° read as radians would."""
 _NO_ACTUATORS = "the file has no actuators: add a <motor> for every joint but the root's"
 
 
@@ -105,7 +103,8 @@ def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
             "little for a step: widen its range; if it is written in radians, say so with "
             '<compiler angle="radian"/>, or MuJoCo reads degrees'
         )
-    if upper - lower > MOST_RANGE:
+    largest = 4.0 * math.pi  # [rad]: no leg joint turns twice around; 180° read as radians would.
+    if upper - lower > largest:
         refuse(
             f"joint {joint_name(model, joint)} can turn by {upper - lower:.3g} rad in all, more "
             "than two turns: narrow its range; if it is written in degrees, leave "

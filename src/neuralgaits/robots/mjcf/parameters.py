@@ -22,7 +22,6 @@ from neuralgaits.robots.mjcf.loader import links_from_text, robot_from_text
 from neuralgaits.robots.mjcf.with_errors import LinkErrors, text_with_errors
 from neuralgaits.robots.parameter_box import GROUND, UNITS, Box, checked_box
 
-_SIDES = ("along", "across")
 _RELATIVE = "(relative error)"
 
 
@@ -80,7 +79,7 @@ def _names(types: _Types) -> Iterator[tuple[str, str]]:
     for link in types.links:
         yield "mass", f"mass of {link} {_RELATIVE}"
     for link in types.links:
-        for side in _SIDES:
+        for side in ("along", "across"):
             yield "com", f"centre of mass of {link} {side} (error in m)"
     for link in types.links:
         yield "inertia", f"inertia of {link} {_RELATIVE}"

@@ -20,32 +20,6 @@ LEAST = 1e-6
 LARGEST_FOOT = 0.25
 """Largest radius of a foot, in lengths of the leg. The closed form pins the centre of the sphere;
 on a floor it rolls, by radius times angle: this share of each step."""
-POSITIVE = ("length", "mass", "torque_limit", "foot_radius", "friction")
-NOT_NEGATIVE = ("inertia", "armature", "damping")
-"""Quantities of a leg, by their names in `derive.LegData`."""
-
-MASSES = {"inertial": ("mass", "diaginertia"), "geom": ("mass", "density")}
-"""Attributes of elements that are negative for no body. MuJoCo takes some as zero, without a word:
-those of bodies that do not move by themselves."""
-_FIELDS = {
-    "body": ("pos", "quat", "ipos", "iquat", "mass", "inertia"),
-    "jnt": ("pos", "axis", "range", "actfrcrange", "margin", "solref", "solimp"),
-    "dof": ("armature", "damping", "frictionloss"),
-    "geom": ("pos", "quat", "size", "friction", "solref", "solimp", "solmix", "margin", "gap"),
-    "actuator": ("gear", "ctrlrange", "forcerange"),
-    "key": ("qpos", "qvel", "ctrl"),
-}
-"""Arrays of a compiled model that come from numbers in the file, and that a walk depends on."""
-_WORDS = {"jnt": "joint", "actuator": "motor", "key": "keyframe"}
-_KINDS = {
-    "body": mujoco.mjtObj.mjOBJ_BODY,
-    "jnt": mujoco.mjtObj.mjOBJ_JOINT,
-    "geom": mujoco.mjtObj.mjOBJ_GEOM,
-    "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
-    "key": mujoco.mjtObj.mjOBJ_KEY,
-}
-_OF_KEY = {"qpos": "nq", "qvel": "nv", "ctrl": "nu"}
-"""Attributes of a <key>, and the count of numbers that each lists."""
 
 
 def refuse_unphysical(model: mujoco.MjModel) -> None:
@@ -53,7 +27,16 @@ def refuse_unphysical(model: mujoco.MjModel) -> None:
 
     Raises: RobotError naming the element, the attribute and the number.
     """
-    for kind, names in _FIELDS.items():
+    # Arrays that come from numbers in the file, and that a walk depends on.
+    fields = {
+        "body": ("pos", "quat", "ipos", "iquat", "mass", "inertia"),
+        "jnt": ("pos", "axis", "range", "actfrcrange", "margin", "solref", "solimp"),
+        "dof": ("armature", "damping", "frictionloss"),
+        "geom": ("pos", "quat", "size", "friction", "solref", "solimp", "solmix", "margin", "gap"),
+        "actuator": ("gear", "ctrlrange", "forcerange"),
+        "key": ("qpos", "qvel", "ctrl"),
+    }
+    for kind, names in fields.items():
         for name in names:
             values = np.asarray(getattr(model, f"{kind}_{name}"))
             rows = values.reshape(len(values), values[:1].size)
@@ -87,9 +70,10 @@ def refuse_negative_mass(text: str) -> None:
     except ElementTree.ParseError:
         # Whoever compiles the text says what is wrong with it.
         return
+    masses = {"inertial": ("mass", "diaginertia"), "geom": ("mass", "density")}
     for parent in root.iter():
         for element in parent:
-            for name in MASSES.get(str(element.tag), ()):
+            for name in masses.get(str(element.tag), ()):
                 for number in _numbers(element.get(name, "")):
                     if not number >= 0.0:
                         owner = parent if element.tag == "inertial" else element
@@ -120,11 +104,12 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
     """
     if notes_problems() and np.isnan(value):
         return  # Named where it is missing.
-    if name in POSITIVE and not LEAST <= value <= MOST:
+    positive = ("length", "mass", "torque_limit", "foot_radius", "friction")
+    if name in positive and not LEAST <= value <= MOST:
         refuse(
             f"{words} is {value:.6g} at {where}: expected {LEAST:g} to {MOST:g}; mend that number"
         )
-    if name in NOT_NEGATIVE and not 0.0 <= value <= MOST:
+    if name in ("inertia", "armature", "damping") and not 0.0 <= value <= MOST:
         refuse(f"{words} is {value:.6g} at {where}: expected 0 to {MOST:g}; mend that number")
 
 
@@ -201,9 +186,11 @@ def refuse_odd_keyframes(text: str, model: mujoco.MjModel) -> None:
         raise RobotError(
             f"the robot file is not well-formed XML ({error}): mend that line"
         ) from None
+    # Attributes of a <key>, and the count of numbers that each lists.
+    counts = {"qpos": "nq", "qvel": "nv", "ctrl": "nu"}
     for number, key in enumerate(root.iterfind("keyframe/key")):
         label = key.get("name") or f"number {number}"
-        for attribute, count in _OF_KEY.items():
+        for attribute, count in counts.items():
             expected = int(getattr(model, count))
             length = len(key.get(attribute, "").split())
             if attribute in key.attrib and length != expected:
@@ -216,7 +203,15 @@ def refuse_odd_keyframes(text: str, model: mujoco.MjModel) -> None:
 
 def _label(model: mujoco.MjModel, kind: str, row: int) -> str:
     """Name an element of the file for a message."""
+    kinds = {
+        "body": mujoco.mjtObj.mjOBJ_BODY,
+        "jnt": mujoco.mjtObj.mjOBJ_JOINT,
+        "geom": mujoco.mjtObj.mjOBJ_GEOM,
+        "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,
+        "key": mujoco.mjtObj.mjOBJ_KEY,
+    }
+    words = {"jnt": "joint", "actuator": "motor", "key": "keyframe"}
     if kind == "dof":
         kind, row = "jnt", int(model.dof_jntid[row])
-    name = mujoco.mj_id2name(model, _KINDS[kind], row)
-    return f"{_WORDS.get(kind, kind)} {name or f'number {row}'}"
+    name = mujoco.mj_id2name(model, kinds[kind], row)
+    return f"{words.get(kind, kind)} {name or f'number {row}'}"

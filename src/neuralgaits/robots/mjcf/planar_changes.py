@@ -15,7 +15,7 @@ from neuralgaits.robots.mjcf.refused_physics import refuse_loops
 
 def _name_joints(edit: MjcfEdit) -> None:
     """Name joints that have no name, since logs and controllers find joints by name."""
-    for joint, element in enumerate(edit.found.joints):
+    for joint, element in enumerate(edit.elements.joints):
         if not element.get("name"):
             body = body_name(edit.model, int(edit.model.jnt_bodyid[joint]))
             name = edit.free_name("joint", f"{body}_joint")
@@ -24,7 +24,7 @@ def _name_joints(edit: MjcfEdit) -> None:
 
 
 def _name_motors(edit: MjcfEdit) -> None:
-    for element in edit.found.actuators:
+    for element in edit.elements.actuators:
         if not element.get("name") and element.get("joint"):
             name = edit.free_name("actuator", element.get("joint", ""))
             element.set("name", name)
@@ -54,7 +54,7 @@ def _free_the_root(edit: MjcfEdit) -> None:
     free = [i for i in range(model.njnt) if model.jnt_type[i] == mujoco.mjtJoint.mjJNT_FREE]
     if len(free) != 1:
         return
-    joint, element = free[0], edit.found.joints[free[0]]
+    joint, element = free[0], edit.elements.joints[free[0]]
     body = int(model.jnt_bodyid[joint])
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -103,7 +103,7 @@ def _keep_one_motor(edit: MjcfEdit) -> None:
             edit.say(line)
         gone += choice.removed
         if choice.kept is not None and choice.limit is not None:
-            element = edit.found.actuators[choice.kept]
+            element = edit.elements.actuators[choice.kept]
             attributes = {
                 key: element.get(key, "") for key in ("name", "joint") if key in element.attrib
             }
@@ -115,8 +115,8 @@ def _keep_one_motor(edit: MjcfEdit) -> None:
             )
             edit.drop_keyframes()
     for number in gone:
-        name = edit.found.actuators[number].get("name", "")
-        edit.remove(edit.found.actuators[number])
+        name = edit.elements.actuators[number].get("name", "")
+        edit.remove(edit.elements.actuators[number])
         edit.drop_references("actuator", {name} - {""})
     if gone:
         edit.drop_keyframes()
@@ -125,7 +125,7 @@ def _keep_one_motor(edit: MjcfEdit) -> None:
 def _drop_forces(edit: MjcfEdit) -> None:
     """Remove springs, dry friction, air and every force that holds the root."""
     model = edit.model
-    for joint, element in enumerate(edit.found.joints):
+    for joint, element in enumerate(edit.elements.joints):
         dof, name = int(model.jnt_dofadr[joint]), model.joint(joint).name
         body = int(model.jnt_bodyid[joint])
         forces: list[tuple[str, bool]] = [
@@ -150,7 +150,7 @@ def _drop_forces(edit: MjcfEdit) -> None:
             if float(option.get(attribute, "0")):
                 option.set(attribute, "0")
                 edit.say(f"{attribute} of the air taken out")
-    for body, element in enumerate(edit.found.bodies):
+    for body, element in enumerate(edit.elements.bodies):
         if model.body_gravcomp[body]:
             element.set("gravcomp", "0")
             edit.say(f"body {body_name(model, body)}: gravity compensation taken out")
@@ -167,7 +167,7 @@ def _lay_floor(edit: MjcfEdit) -> None:
         "contype": "1",
         "conaffinity": "1",
     }
-    world = edit.found.bodies[0]
+    world = edit.elements.bodies[0]
     edit.insert(world, 0, "geom", attributes)
     edit.say(f"level floor added: geom {name} at height 0")
 

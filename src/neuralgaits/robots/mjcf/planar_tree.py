@@ -16,7 +16,6 @@ from neuralgaits.robots.mjcf.model_contents import HINGE, SLIDE, at_zero, joints
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 _AXIS_TOLERANCE = 1e-6
-_MIN_MASS_SHARE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -145,7 +144,7 @@ def _link(
     name = body_name(model, bodies[0])
     masses = model.body_mass[list(bodies)]
     mass = float(masses.sum())
-    if mass <= _MIN_MASS_SHARE * float(model.body_mass.sum()):
+    if mass <= 1e-9 * float(model.body_mass.sum()):
         refuse(f"body {name} has no mass: give it an <inertial> or geoms with mass")
         return Link(name, bodies, parent, joint, np.nan, complex(np.nan, np.nan), np.nan)
     coms = [in_plane(data.xipos[i]) for i in bodies]

@@ -105,23 +105,21 @@ def _problems(
     return tuple(noted)
 
 
-_IN_URDF = (
-    (
-        r"joint (.+?) is not actuated: add .*",
-        r'joint \1 has no effort limit: write effort="LIMIT" (N m) into its <limit>',
-    ),
-    (
-        r"joint (.+?) has no range: add .*",
-        r"joint \1 has no range: make it revolute, with lower and upper in its <limit>",
-    ),
-)
-"""Problems of the MJCF that a URDF was written as, and the words for the URDF."""
-
-
 def _in_words_of(text: str, problem: str) -> str:
     """Return a problem with a remedy for the file that it was found in, and for this command."""
     problem = problem.replace("are treated; weld some", "are treated; weld some, by --weld JOINT")
     if is_urdf(text):
-        for pattern, words in _IN_URDF:
+        # Problems of the MJCF that a URDF was written as, and the words for the URDF.
+        for_urdf = (
+            (
+                r"joint (.+?) is not actuated: add .*",
+                r'joint \1 has no effort limit: write effort="LIMIT" (N m) into its <limit>',
+            ),
+            (
+                r"joint (.+?) has no range: add .*",
+                r"joint \1 has no range: make it revolute, with lower and upper in its <limit>",
+            ),
+        )
+        for pattern, words in for_urdf:
             problem = re.sub(pattern, words, problem)
     return problem

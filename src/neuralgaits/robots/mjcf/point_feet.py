@@ -14,11 +14,7 @@ from neuralgaits.robots.mjcf.planar_tree import body_name, read_tree
 from neuralgaits.robots.mjcf.skeleton import find_legs
 
 _RADIUS_M = 0.003
-_HARD_CONTACT = "0.002 1"
-"""Radius and solref of the feet of the robots that come with the package: contact close to a point
-and to a plastic impact, as the model has it."""
-_LONGEST_LEG = 4
-"""Largest number of links of a supported leg, and a foot."""
+"""Radius of the feet of the robots that come with the package: contact close to a point [m]."""
 
 
 def give_point_feet(edit: MjcfEdit) -> None:
@@ -64,7 +60,7 @@ def _weld_ankles(edit: MjcfEdit) -> dict[int, np.ndarray]:
     Returns: for the body of each such foot, the place of its ankle in that body's frame [m].
     """
     model, tree, floor = edit.model, read_tree(edit.model), edit.floor()
-    _, legs, _ = find_legs(tree, _LONGEST_LEG)
+    _, legs, _ = find_legs(tree, 4)  # At most four links a leg, its foot included.
     ankles, data = {}, edit.at_zero()
     for leg in legs:
         if floor is None or not is_flat_foot(model, data, tree, leg, floor):
@@ -75,7 +71,7 @@ def _weld_ankles(edit: MjcfEdit) -> dict[int, np.ndarray]:
         turn = data.xmat[body].reshape(3, 3)
         ankles[body] = turn.T @ (data.xanchor[joint] - data.xpos[body])
         motors = edit.actuators_of(joint)
-        edit.remove(edit.found.joints[joint])
+        edit.remove(edit.elements.joints[joint])
         edit.say(f"ankle {name}: removed, flat foot {link.name} is welded to {parent.name}")
         edit.drop_actuators(motors, f"its joint {name} is gone")
         edit.drop_references("joint", {name})
@@ -125,8 +121,8 @@ def picture_only(edit: MjcfEdit, geoms: list[int]) -> None:
     if not geoms:
         return
     for geom in geoms:
-        edit.found.geoms[geom].set("contype", "0")
-        edit.found.geoms[geom].set("conaffinity", "0")
+        edit.elements.geoms[geom].set("contype", "0")
+        edit.elements.geoms[geom].set("conaffinity", "0")
     names = ", ".join(_geom_label(edit.model, geom) for geom in geoms)
     edit.say(f"{names}: shape and mass kept, no contact with the floor")
 
@@ -152,16 +148,17 @@ def _add_sphere(edit: MjcfEdit, body: int, place: np.ndarray, friction: float, f
         "condim": "3",
         "priority": "1",
         "friction": f"{friction:.10g} 0.005 0.0001",
-        "solref": _HARD_CONTACT,
+        # As the shipped robots have it: close to a plastic impact.
+        "solref": "0.002 1",
     }
-    element = edit.found.bodies[body]
+    element = edit.elements.bodies[body]
     edit.insert(element, len(element), "geom", attributes)
     edit.say(f"point foot {name}: sphere of {1e3 * _RADIUS_M:g} mm without mass added")
 
 
 def name_foot(edit: MjcfEdit, geom: int, what: str = "foot sphere", ending: str = "point") -> None:
     """Name the geom of a foot after its body, if it has no name; `what` says what it is."""
-    element = edit.found.geoms[geom]
+    element = edit.elements.geoms[geom]
     if not element.get("name"):
         body = body_name(edit.model, int(edit.model.geom_bodyid[geom]))
         name = edit.free_name("geom", f"{body}_{ending}")

@@ -15,8 +15,6 @@ T = TypeVar("T")
 _NOTED: ContextVar[dict[str, None] | None] = ContextVar("noted", default=None)
 """Problems so far, in order and each once; None where the first one is raised."""
 
-_NO_SENSE = (ArithmeticError, LookupError, ValueError, AssertionError)
-
 
 def refuse(problem: str) -> None:
     """Raise RobotError with a problem, or note it and return if all are to be noted."""
@@ -44,7 +42,7 @@ def attempt(fallback: T, read: Callable[..., T], *args: object) -> T:
         return read(*args)
     except RobotError as error:
         refuse(str(error))
-    except _NO_SENSE:
+    except (ArithmeticError, LookupError, ValueError, AssertionError):
         if not noted:
             raise
     return fallback

@@ -13,8 +13,6 @@ from neuralgaits.robots.mjcf.skeleton import find_floor
 
 _TIP_M = 0.003
 """Radius of a sphere at the tip of a leg that the file draws otherwise [m]."""
-_SHORTEST_M = 0.02
-_DEFAULT_FRICTION = 1.0
 
 
 @dataclass(frozen=True)
@@ -68,8 +66,9 @@ def section_foot(
     heel, toe = float(sole.min()), float(sole.max())
     high = link.anchor.imag - level
     ankle = link.anchor.real
+    shortest = 0.02  # [m]
     # A foot is longer than its ankle is high.
-    flat = toe - heel >= _SHORTEST_M and max(toe, ankle) - min(heel, ankle) > high > 0.0
+    flat = toe - heel >= shortest and max(toe, ankle) - min(heel, ankle) > high > 0.0
     if has_ankle and flat:
         half = min(0.0125, high / 4.0)
         what = "its mesh ends" if _is_mesh(model, lowest) else "its shapes end"
@@ -130,7 +129,8 @@ def _frame_tip(model: mujoco.MjModel, data: mujoco.MjData, link: SectionLink) ->
     change = (
         f"point foot of {link.name}: sphere of {1e3 * _TIP_M:g} mm at {body_name(model, frame)}"
     )
-    return SectionFoot("sphere", place, (_TIP_M,), _DEFAULT_FRICTION, 3, change)
+    friction = 1.0  # MuJoCo's own.
+    return SectionFoot("sphere", place, (_TIP_M,), friction, 3, change)
 
 
 def _contact(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> tuple[float, int]:

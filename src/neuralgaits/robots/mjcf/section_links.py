@@ -8,11 +8,6 @@ import numpy as np
 from neuralgaits.robots.mjcf.planar_tree import body_name, in_plane
 from neuralgaits.robots.mjcf.section_plan import MASSLESS_KG, SectionPlan, links_of_bodies
 
-_MEAN_SHARE = 0.01
-"""Largest difference of the legs that is rounding of the file or of its drawing: of a mass or
-inertia, or of a place in lengths of the leg."""
-_EQUAL = 1e-9
-
 
 @dataclass(frozen=True)
 class SectionLink:
@@ -92,6 +87,9 @@ def equal_legs(
         return links, ()
     scale = max(_extent([links[joint] for joint in leg]) for leg in plan.legs)
     equal, largest = dict(links), 0.0
+    # Largest rounding of a file or its drawing: of masses and inertias as a share, of places in
+    # lengths of the leg.
+    largest_rounding = 0.01
     for one, other in zip(*plan.legs, strict=True):
         a, b = links[one], links[other]
         differences = (
@@ -100,7 +98,7 @@ def equal_legs(
             abs(a.com - b.com) / scale,
             abs(a.anchor - b.anchor) / scale,
         )
-        if max(differences) > _MEAN_SHARE:
+        if max(differences) > largest_rounding:
             return links, ()
         largest = max(largest, *differences)
         mean = {
@@ -110,7 +108,7 @@ def equal_legs(
             "anchor": (a.anchor + b.anchor) / 2.0,
         }
         equal[one], equal[other] = replace(a, **mean), replace(b, **mean)
-    if largest <= _EQUAL:
+    if largest <= 1e-9:
         # Rounding of kinematics: one leg's numbers for both, and nothing to say.
         return equal, ()
     change = f"legs: mean of left and right, which differ by {100.0 * largest:.2g} % at most"

@@ -8,7 +8,6 @@ import numpy as np
 from neuralgaits.robots.mjcf.section_links import SectionLink
 
 Element = ElementTree.Element
-_DRAWN = ("sphere", "capsule", "ellipsoid", "cylinder", "box")
 _STICK_M = 0.03
 """Radius of the stick that shows a link of which the file has meshes only [m]."""
 
@@ -55,7 +54,7 @@ def _picture_of(
 ) -> dict[str, str] | None:
     """Return the attributes of a copy of a geom, or None of one that is no plain shape."""
     kind = mujoco.mjtGeom(model.geom_type[geom]).name.removeprefix("mjGEOM_").lower()
-    if kind not in _DRAWN:
+    if kind not in ("sphere", "capsule", "ellipsoid", "cylinder", "box"):
         return None
     place = data.geom_xpos[geom] - np.array([link.anchor.real, link.across, link.anchor.imag])
     turn = np.zeros(4)

@@ -17,8 +17,6 @@ from neuralgaits.robots.mjcf.planar_tree import PlanarTree
 from neuralgaits.robots.mjcf.refuse_or_note import attempt, refuse
 
 _HIP_TOLERANCE_M = 1e-6
-_MAX_LEG_LINKS = 3
-_NOWHERE = complex(np.nan, np.nan)
 
 
 @dataclass(frozen=True)
@@ -61,7 +59,7 @@ def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
 
 def _missing_foot(ends: int) -> Foot:
     """Return a foot without numbers, with so many ends of a sole, for one that was refused."""
-    return Foot("", _NOWHERE, np.nan, np.nan, (np.nan,) * ends)
+    return Foot("", complex(np.nan, np.nan), np.nan, np.nan, (np.nan,) * ends)
 
 
 def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
@@ -84,7 +82,7 @@ def _lowest(tree: PlanarTree, top: int) -> float:
 
 
 def find_legs(
-    tree: PlanarTree, max_links: int = _MAX_LEG_LINKS
+    tree: PlanarTree, max_links: int = 3
 ) -> tuple[int | None, tuple[tuple[int, ...], tuple[int, ...]], complex]:
     """Sort the links into a torso and two chains, as `Skeleton` has them.
 

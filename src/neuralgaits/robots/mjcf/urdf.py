@@ -17,9 +17,6 @@ from neuralgaits.robots.mjcf.urdf_tree import UrdfTree, read_urdf_tree
 from neuralgaits.robots.mjcf.urdf_values import attribute, numbers, orientation
 
 Element = ElementTree.Element
-_LEAST_MASS = 1e-9
-_MOVING = ("revolute", "continuous", "prismatic")
-_EPSILON = 1e-12
 
 
 def is_urdf(text: str) -> bool:
@@ -67,7 +64,8 @@ def _write_root(tree: UrdfTree, world: Element, actuator: Element, shapes: Shape
     """Write the links below the world, and return what moves the first of them."""
     root = tree.root
     below = tree.moving_below(root)
-    weightless = all(_mass(tree.links[one]) <= _LEAST_MASS for one in tree.rigid_with(root))
+    massless = 1e-9  # [kg]
+    weightless = all(_mass(tree.links[one]) <= massless for one in tree.rigid_with(root))
     if weightless and len(below) == 1 and below[0].get("type") == "floating":
         # The first link stands for the world, and MuJoCo has free joints there only.
         joint = below[0]
@@ -104,9 +102,9 @@ def _write_joint(body: Element, joint: Element, actuator: Element) -> None:
         return
     if kind == "floating":
         refuse(f"joint {name} floats below a link with mass: make it revolute or fixed")
-    if kind not in _MOVING:
+    if kind not in ("revolute", "continuous", "prismatic"):
         return
-    if np.linalg.norm(axis) < _EPSILON:
+    if np.linalg.norm(axis) < 1e-12:
         refuse(f'joint {name} has axis "0 0 0": give it a direction, as xyz="0 1 0"')
         axis = np.array([0.0, 1.0, 0.0])
     limit, dynamics = joint.find("limit"), joint.find("dynamics")

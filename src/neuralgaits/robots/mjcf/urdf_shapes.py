@@ -9,7 +9,6 @@ from neuralgaits.robots.mjcf.refuse_or_note import refuse
 from neuralgaits.robots.mjcf.urdf_values import attribute, numbers, orientation
 
 Element = ElementTree.Element
-_READ = (".stl", ".obj")
 _MOST_NAMES = 4
 
 
@@ -103,7 +102,7 @@ def _file_of(named: str, folder: Path) -> Path | None:
     below = plain
     if plain.startswith("package://"):
         below = plain.removeprefix("package://").partition("/")[2]
-    if Path(below).suffix.lower() not in _READ:
+    if Path(below).suffix.lower() not in (".stl", ".obj"):
         return None
     for start in (folder, *folder.absolute().parents[:3]):
         try:

@@ -9,8 +9,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
-_MOST = 1e6
-
 
 def attribute(
     element: ElementTree.Element | None, key: str, default: Sequence[float], owner: str
@@ -30,7 +28,8 @@ def attribute(
         values = np.array([float(word) for word in text.split()])
     except ValueError:
         values = np.array([])
-    if len(values) != len(default) or not np.all(np.abs(values) <= _MOST):
+    largest = 1e6
+    if len(values) != len(default) or not np.all(np.abs(values) <= largest):
         refuse(
             f'{owner} has {key}="{text}": expected {len(default)} finite '
             f"number{'' if len(default) == 1 else 's'}; mend that"

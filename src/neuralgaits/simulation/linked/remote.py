@@ -30,7 +30,6 @@ from neuralgaits.simulation.linked.wire import (
 from neuralgaits.simulation.ticks.batch import Batch
 from neuralgaits.simulation.ticks.scene import Scene
 
-_ANSWER_TIMEOUT_S = 10.0
 _SPIN_S = 2e-4
 """Time before a tick that is spent without sleeping [s], because a sleep may end that late."""
 
@@ -159,9 +158,9 @@ class Remote:
             self._wait()
         self._tick += 1
         sent = clock.monotonic()
-        # The plant needs the rest of a tick itself.
-        wait = 0.8 * self._period_s
-        deadline = sent + (_ANSWER_TIMEOUT_S if self._config.lockstep else wait)
+        # The plant needs the rest of a tick itself; in lock-step a controller may take its time.
+        wait = 10.0 if self._config.lockstep else 0.8 * self._period_s
+        deadline = sent + wait
         results = []
         for i, link in enumerate(self._links):
             one = Measurement(*(leaf[i] for leaf in measurement))

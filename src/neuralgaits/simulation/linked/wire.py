@@ -22,7 +22,6 @@ _START_TIMEOUT_S = 10.0
 _OTHER_LAW, _OTHER_COMMANDS = 1, 2
 """Reasons of a controller that refuses a start: it lacks the law, or takes other commands."""
 _LEG, _TOUCHDOWN, _SATURATED, _STALE = 1, 2, 4, 8
-_SEQUENCES = 2**32
 
 
 class Answer(NamedTuple):
@@ -77,7 +76,7 @@ def pack_reading(
             np.asarray(commands, dtype=np.float64),
         ]
     )
-    micros = round(1e6 * float(measurement.time)) % _SEQUENCES
+    micros = round(1e6 * float(measurement.time)) % 2**32
     # Flag of a reading whose rates and velocity are not measured.
     flags = 1 if estimated else 0
     return _HEAD.pack(b"NGR1", sequence, micros, flags) + numbers.astype("<f8").tobytes()

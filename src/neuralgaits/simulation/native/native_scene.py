@@ -19,8 +19,6 @@ from neuralgaits.simulation.setup.terrain import ROOM_UNDER_FOOT
 from neuralgaits.simulation.ticks.falls import HIP_SHARE, STALL, TORSO_RAD
 from neuralgaits.simulation.ticks.gauge import SETTLING_S, START_UP_STEPS
 
-_LONGEST_US = 0xFFFFFFFF
-
 
 def knows(law: AbstractLaw) -> bool:
     """Return whether compiled controllers have this law."""
@@ -136,7 +134,7 @@ def _set_config(scene: Any, types: StructLayout, controller: Controller) -> None
     for name in ("torque_rate", "largest_pitch", "angle_margin", "largest_rate", "largest_speed"):
         setattr(config, name, np.inf)
     config.largest_force = config.airborne_s = np.inf
-    config.gap_us = _LONGEST_US
+    config.gap_us = 0xFFFFFFFF  # The largest that fits.
 
 
 def _fill(array: Any, values: Any) -> None:

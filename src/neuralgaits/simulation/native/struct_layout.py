@@ -16,16 +16,6 @@ import numpy as np
 
 from neuralgaits.export import output_folder
 
-_CONTROLLER_HEADERS = ("controller.h", "estimator.h", "adapt.h")
-_LOOP_HEADERS = ("clf_qp.h", "walk.h")
-_PLAIN = {"int": c_int, "uint32_t": c_uint32, "double": c_double, "ng_real": c_double}
-_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
-_COMMANDS_ONLY = re.compile(r"^#if NG_COMMANDS$.*?^#endif", re.DOTALL | re.MULTILINE)
-_DIRECTIVE = re.compile(r"^\s*#.*$", re.MULTILINE)
-_TYPE = re.compile(r"\b(struct|enum)\b\s*(\w*)\s*\{([^}]*)\}\s*(\w*)\s*;")
-_FUNCTION = re.compile(r"\(\*(\w+)\)\(")
-_VARIABLE = re.compile(r"(\*?)\s*(\w+)((?:\[\w+\])*)")
-
 
 class StructLayout(NamedTuple):
     """Types of the C structures for one robot."""
@@ -60,9 +50,17 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
     }
     text = _headers()
     if not commands:
-        text = _COMMANDS_ONLY.sub("", text)
-    types: dict[str, Any] = dict(_PLAIN)
-    for kind, tag, body, name in _TYPE.findall(_DIRECTIVE.sub("", text)):
+        for_commands = r"^#if NG_COMMANDS$.*?^#endif"
+        text = re.sub(for_commands, "", text, flags=re.DOTALL | re.MULTILINE)
+    without_directives = re.sub(r"^\s*#.*$", "", text, flags=re.MULTILINE)
+    types: dict[str, Any] = {
+        "int": c_int,
+        "uint32_t": c_uint32,
+        "double": c_double,
+        "ng_real": c_double,
+    }
+    declaration = r"\b(struct|enum)\b\s*(\w*)\s*\{([^}]*)\}\s*(\w*)\s*;"
+    for kind, tag, body, name in re.findall(declaration, without_directives):
         if kind == "enum":
             types[name] = c_int
         else:
@@ -78,9 +76,9 @@ def _headers() -> str:
     """Return the headers that declare the structures, without comments."""
     shipped = output_folder.shipped() | output_folder.adaptation()
     folder = resources.files("neuralgaits.simulation.native") / "c"
-    texts = [shipped[name] for name in _CONTROLLER_HEADERS]
-    texts += [(folder / name).read_text(encoding="utf-8") for name in _LOOP_HEADERS]
-    return _COMMENT.sub("", "\n".join(texts))
+    texts = [shipped[name] for name in ("controller.h", "estimator.h", "adapt.h")]
+    texts += [(folder / name).read_text(encoding="utf-8") for name in ("clf_qp.h", "walk.h")]
+    return re.sub(r"/\*.*?\*/", "", "\n".join(texts), flags=re.DOTALL)
 
 
 def _fields(
@@ -94,11 +92,11 @@ def _fields(
         sizes: sizes of arrays by their names in C.
     """
     for declaration in filter(None, map(str.strip, body.split(";"))):
-        if function := _FUNCTION.search(declaration):
+        if function := re.search(r"\(\*(\w+)\)\(", declaration):
             yield function[1], c_void_p
             continue
         kind, variables = declaration.removeprefix("const ").split(maxsplit=1)
-        for star, name, lengths in _VARIABLE.findall(variables):
+        for star, name, lengths in re.findall(r"(\*?)\s*(\w+)((?:\[\w+\])*)", variables):
             if star:
                 yield name, c_char_p if kind == "char" else c_void_p
                 continue

@@ -9,9 +9,6 @@ from types import MappingProxyType
 
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
-ENCODER_STEP_RAD = 2.0 * pi / 4096.0
-"""Resolution of an encoder with twelve bits a turn [rad]."""
-
 DISTURBANCE_SET = MappingProxyType(
     {
         "mass -15 %": PlantChanges(mass_scale=0.85),
@@ -24,7 +21,7 @@ DISTURBANCE_SET = MappingProxyType(
         "delay 4 ms": PlantChanges(delay_ms=4),
         "torque limit 30 N m": PlantChanges(torque_limit=30.0),
         "torque limit 20 N m": PlantChanges(torque_limit=20.0),
-        "encoders of 12 bits": PlantChanges(encoder_step=ENCODER_STEP_RAD),
+        "encoders of 12 bits": PlantChanges(encoder_step=2.0 * pi / 2**12),
         "noise 2 mrad, 0.1 rad/s": PlantChanges(encoder_noise=0.002, rate_noise=0.1),
         "ground friction 0.4": PlantChanges(friction=0.4),
         "ground friction 1.0": PlantChanges(friction=1.0),

@@ -12,7 +12,6 @@ FLOOR_BITS = (1 << 20, 1 << 21)
 # Shown floor, and the group of the other one, which MuJoCo does not draw unless told to: two
 # planes at one level would be lit twice.
 SECOND_FLOOR_GROUP = 5
-_FLOOR_GROUPS = (0, SECOND_FLOOR_GROUP)
 
 
 def add_plane(spec: mujoco.MjSpec, leg: int, tilt: float) -> mujoco.MjsGeom:
@@ -25,7 +24,7 @@ def add_plane(spec: mujoco.MjSpec, leg: int, tilt: float) -> mujoco.MjsGeom:
         size=[0.0, 0.0, 0.1],
         contype=FLOOR_BITS[leg],
         conaffinity=FLOOR_BITS[leg],
-        group=_FLOOR_GROUPS[leg],
+        group=(0, SECOND_FLOOR_GROUP)[leg],
     )
 
 

@@ -74,8 +74,8 @@ class LiveCourse:
 
     def _lay(self, terrain: str, touchdowns: int) -> None:
         """Continue with other ground beyond the part that the robot knows."""
-        known = 2  # Stones ahead of the standing foot.
-        last = min(touchdowns + known, len(self.course.seen) - 1)
+        stones_ahead = 2  # Of the standing foot.
+        last = min(touchdowns + stones_ahead, len(self.course.seen) - 1)
         self._seed += 1
         more = self._laid(terrain).each[0]
         self.courses = replace(self.courses, each=(joined(self.course, last, more),))

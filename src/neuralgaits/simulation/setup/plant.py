@@ -34,15 +34,6 @@ CONTROL_SPEC = (
 )
 """Inputs of a tick: actuator controls, the push, the floors."""
 
-# Size of the touch sensors around the foot spheres, in foot radii.
-_TOUCH_ZONE = 3.0
-# And how far they reach beyond flat feet [m].
-_TOUCH_MARGIN_M = 0.005
-# Blocks of a course: how far they go down and to each side [m], and their two colours in turn.
-_BLOCK_DEPTH = 0.5
-_BLOCK_SIDE = 0.3
-_BLOCK_COLOURS = ((0.42, 0.45, 0.50, 1.0), (0.55, 0.58, 0.62, 1.0))
-
 
 @dataclass(frozen=True, eq=False)
 class Plant:
@@ -164,17 +155,21 @@ def _add_floors(
 def _touch_site(foot, place):
     """Add the zone in which a foot's contacts count: a sphere around a point foot, or its shape."""
     if place.type[0] == mujoco.mjtGeom.mjGEOM_SPHERE:
-        return foot.parent.add_site(pos=place.pos, size=[_TOUCH_ZONE * place.size[0]] * 3)
+        return foot.parent.add_site(pos=place.pos, size=[3.0 * place.size[0]] * 3)
+    beyond = 0.005  # How far the zone reaches beyond a flat foot [m].
     return foot.parent.add_site(
-        type=foot.type, pos=place.pos, quat=place.quat, size=place.size + _TOUCH_MARGIN_M
+        type=foot.type, pos=place.pos, quat=place.quat, size=place.size + beyond
     )
 
 
 def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
     """Add boxes below the tops of a course, for both feet."""
+    half = 0.25  # Half of a block's depth [m].
+    to_side = 0.3  # [m]
+    colours = ((0.42, 0.45, 0.50, 1.0), (0.55, 0.58, 0.62, 1.0))  # In turn.
     for number, (x0, z0, x1, z1) in enumerate(course.tops):
-        tilt, length = math.atan2(z1 - z0, x1 - x0), math.hypot(x1 - x0, z1 - z0)
-        half = 0.5 * _BLOCK_DEPTH
+        tilt = math.atan2(z1 - z0, x1 - x0)
+        length = math.hypot(x1 - x0, z1 - z0)
         spec.worldbody.add_geom(
             name=f"_block_{number}",
             type=mujoco.mjtGeom.mjGEOM_BOX,
@@ -184,10 +179,10 @@ def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
                 0.5 * (z0 + z1) - half * math.cos(tilt),
             ],
             quat=tilt_quaternion(tilt),
-            size=[0.5 * length, _BLOCK_SIDE, half],
+            size=[0.5 * length, to_side, half],
             contype=FLOOR_BITS[0] | FLOOR_BITS[1],
             conaffinity=FLOOR_BITS[0] | FLOOR_BITS[1],
-            rgba=_BLOCK_COLOURS[number % 2],
+            rgba=colours[number % 2],
         )
 
 

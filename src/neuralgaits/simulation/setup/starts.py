@@ -18,10 +18,6 @@ from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.simulation.setup.streams import Stream, generator
 
 KINDS = ("centre", "region", "fixed-point")
-# Phases at which the fences are read to find the momenta of a tube.
-_FENCE_SAMPLES = 101
-_TOGETHER = 16
-"""Number of states that are computed at once."""
 
 
 def full_states(
@@ -54,7 +50,7 @@ def full_states(
     else:
         raise InputError(f"unknown start {kind!r}: expected one of {', '.join(KINDS)}")
     # In equal parts, so that a state does not depend on how many others there are.
-    return in_blocks(partial(_lifted, zd, gait), _TOGETHER, charts)
+    return in_blocks(partial(_lifted, zd, gait), 16, charts)
 
 
 def periodic_orbit(zd: ZeroDynamics, gait: Gait) -> Orbit:
@@ -67,7 +63,8 @@ def momentum_range(gait: AnyGait) -> tuple[float, float]:
 
     For a family it is over all of its steps.
     """
-    phases = np.linspace(0.0, 1.0, _FENCE_SAMPLES)
+    # Phases at which the fences are read to find the momenta of a tube.
+    phases = np.linspace(0.0, 1.0, 101)
     if isinstance(gait, CommandedGait):
         momenta = np.asarray(_momenta(gait, phases, _pairs(gait.commands)))
         return float(momenta.min()), float(momenta.max())

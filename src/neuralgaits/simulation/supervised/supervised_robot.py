@@ -25,8 +25,6 @@ from neuralgaits.simulation.supervised.supervisor_library import (
     supervisor_library,
 )
 
-_TICK_US = 1000
-
 
 class Supervision(NamedTuple):
     """Decisions of a tick of the supervisor."""
@@ -121,7 +119,8 @@ class SupervisedRobot:
         self._sense()
         self._ticks += 1
         own = self._controller
-        own.tick(_TICK_US * self._ticks, self._sensors, request)
+        tick_us = 1000
+        own.tick(tick_us * self._ticks, self._sensors, request)
         self._late.append(np.concatenate([own.targets, own.torques[..., None]], axis=-1))
         self._advance(self._late[0])
         mode, reason, waiting, fault, new, leg, touchdown = map(int, own.decided[:7])

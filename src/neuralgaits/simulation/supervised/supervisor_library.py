@@ -15,9 +15,7 @@ from neuralgaits.export import build, output_folder
 from neuralgaits.export.design import Design
 from neuralgaits.export.source import gait_files
 
-_DECIDED, _TARGET = 10, 5
 _HOST = "supervisor_host.c"
-_FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared")
 
 
 def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL:
@@ -35,7 +33,7 @@ def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL
     folder = resources.files("neuralgaits.simulation.supervised") / "c"
     files = output_folder.shipped() | gait_files(design)
     files[_HOST] = (folder / _HOST).read_text(encoding="utf-8")
-    flags = (*_FLAGS, *build.PRECISIONS[precision])
+    flags = ("-std=c99", "-O2", "-fPIC", "-shared", *build.PRECISIONS[precision])
     recipe = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", _HOST), flags)
     library = ctypes.CDLL(str(compiler.cached(recipe, cache_folder())))
     library.ng_host_bytes.restype = c_size_t
@@ -64,8 +62,9 @@ class SupervisorTick:
         """Take a library of `supervisor_library`, for legs of `shape[1]` joints."""
         self._library = library
         self._memory = ctypes.create_string_buffer(library.ng_host_bytes())
-        self.decided = np.zeros(_DECIDED)
-        self.targets, self.torques = np.zeros((*shape, _TARGET)), np.zeros(shape)
+        self.decided = np.zeros(10)
+        self.targets = np.zeros((*shape, 5))
+        self.torques = np.zeros(shape)
 
     def start(self, *, estimate: bool, commands: Sequence[float] = ()) -> None:
         """Start damping.

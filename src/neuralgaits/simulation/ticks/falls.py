@@ -33,16 +33,14 @@ class Ending(IntEnum):
     @property
     def reason(self) -> str | None:
         """Return why the episode fell, in words; None if it did not."""
-        return _REASONS.get(self)
-
-
-_REASONS = {
-    Ending.LOW_HIP: "hip too low",
-    Ending.TORSO: "torso tipped over",
-    Ending.NOT_FINITE: "state not finite",
-    Ending.STALLED: "too slow to finish the step",
-    Ending.GAP: "missed its stone: a foot in the gap",
-}
+        reasons = {
+            Ending.LOW_HIP: "hip too low",
+            Ending.TORSO: "torso tipped over",
+            Ending.NOT_FINITE: "state not finite",
+            Ending.STALLED: "too slow to finish the step",
+            Ending.GAP: "missed its stone: a foot in the gap",
+        }
+        return reasons.get(self)
 
 
 ENDLESS = 2**31 - 1

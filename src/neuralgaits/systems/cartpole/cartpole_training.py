@@ -19,8 +19,6 @@ RECIPE = EllipsoidRecipe(
     learning_rate=0.05,
     last_share=0.01,
 )
-DECAY = 5.0
-"""Decay of the velocity's error at the start [1/s]."""
 TURNING = 3.0
 """Angular velocity of the pole that is weighed like one metre and one radian [rad/s]."""
 
@@ -32,7 +30,7 @@ def linear_start(robot: CartPole, width: int, key: PRNGKeyArray) -> EllipsoidSta
     riccati = solve_continuous_are(a, b[:, None], np.diag(scale**-2.0), np.eye(1))
     first, second = jax.random.split(key)
     policy = VelocityPolicy.init(-b @ riccati, scale, width, first)
-    decay = ErrorDecay.init(DECAY, np.append(scale, 1.0), width, second)
+    decay = ErrorDecay.init(5.0, np.append(scale, 1.0), width, second)
     sizes = np.array([1.0, 1.0, 1.0, TURNING])
     share = 0.05  # Of an ellipsoid of unit Lyapunov weights.
     return EllipsoidStart.linear(robot, Controls(policy, decay), sizes, share)

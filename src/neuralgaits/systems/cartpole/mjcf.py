@@ -19,10 +19,6 @@ from neuralgaits.systems.mjcf_contents import joint_kinds, model_name, planar_li
 BUILT_IN = "cartpole"
 STRAIGHT = 1e-9
 """Largest cosine between directions that are at right angles."""
-UPRIGHT = 0.5 * np.pi
-"""Largest angle from the upright, where the pole is level [rad]."""
-RATES = ((0.0, 0.0), (0.8, -1.7), (-1.3, 2.1))
-"""Rates of slide [m/s] and hinge [rad/s] at which formulas are compared with MuJoCo."""
 
 
 def is_cartpole(source: object) -> bool:
@@ -50,7 +46,8 @@ def read_cartpole(text: str, name: str) -> tuple[CartPole, CartPoleData]:
             f"hinge, found {low:.4g} to {high:.4g} rad: widen it"
         )
     robot = data.model("")
-    ranges = ComparedRanges((robot.rail, robot.lean), RATES, robot.force_limit)
+    rates = ((0.0, 0.0), (0.8, -1.7), (-1.3, 2.1))  # Of slide [m/s] and hinge [rad/s].
+    ranges = ComparedRanges((robot.rail, robot.lean), rates, robot.force_limit)
     if different := difference_from_mujoco(model, joints, ranges, robot.accelerations):
         share, (x, theta, *_) = different
         raise RobotError(
@@ -108,7 +105,7 @@ def _data(model: mujoco.MjModel) -> CartPoleData:
     centre = pole.centre
     turn = 1.0 if np.cross(around, up) @ along > 0.0 else -1.0
     upright = -turn * float(np.arctan2(centre[0], centre[1])) + 0.0
-    lean = UPRIGHT
+    lean = 0.5 * np.pi
     if model.jnt_limited[hinge]:
         low, high = model.jnt_range[hinge]
         # The turn of the upright that is nearest to the range.

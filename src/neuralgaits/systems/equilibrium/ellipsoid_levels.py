@@ -17,7 +17,6 @@ from neuralgaits.systems.claimed_levels import Bounds, is_open, with_claimed_lev
 from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.equilibrium.ellipsoid_regions import RADIAL
 
-CONVERGES = ("descent", "settling")
 STRICT = ("inward",)
 """At a tangent point of the face only a positive rate keeps trajectories inside."""
 
@@ -53,7 +52,7 @@ class EllipsoidLevels:
         stays = Conclusion(2, "proved", None, self._words_of_stay())
         if left:
             stays = Conclusion(2, "undecided", f"{left[0]} is not proved")
-        left += [name for name in CONVERGES if is_open(bounds, name, STRICT)]
+        left += [name for name in ("descent", "settling") if is_open(bounds, name, STRICT)]
         if not rate > 0.0:
             left = ["a rate above 0"]
         words = f"from every state of the set the radius decays at least like exp(-{rate!r} t): "

@@ -23,9 +23,6 @@ from neuralgaits.systems.equilibrium.radial_conditions import (
 from neuralgaits.systems.equilibrium.velocity_policy import Controls
 from neuralgaits.systems.trained_system import TrainingProgress
 
-EVERY = 100
-"""Gradient steps between two reports."""
-
 
 @dataclass(frozen=True)
 class EllipsoidRecipe:
@@ -145,7 +142,7 @@ def train_ellipsoid(
     state = optimiser.init(weights)
     for step in range(steps):
         weights, state, value = updated(weights, state, jax.random.fold_in(key, step))
-        if progress is not None and (step % EVERY == 0 or step + 1 == steps):
+        if progress is not None and (step % 100 == 0 or step + 1 == steps):
             progress(step + 1, float(value))
     return jax.tree.map(np.asarray, start.controller(weights))
 

@@ -12,8 +12,10 @@ from neuralgaits.systems.hopper.hopper_model import Hopper
 
 SHORTEST_FLIGHT = 0.02
 """Least duration of a plan [s]."""
-STIFFNESS, DAMPING = 3600.0, 120.0
-"""Gains on positions [1/s^2] and rates [1/s] of lean and length."""
+STIFFNESS = 3600.0
+"""Gain on positions of lean and length [1/s^2]."""
+DAMPING = 120.0
+"""Gain on rates of lean and length [1/s]."""
 
 
 class Track(NamedTuple):

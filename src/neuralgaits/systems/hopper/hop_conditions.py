@@ -14,8 +14,6 @@ from neuralgaits.systems.hopper.hop_tube import HopTube, polynomial
 from neuralgaits.systems.hopper.hopper_model import Hopper
 from neuralgaits.systems.hopper.length_policy import LengthPolicy
 
-LEAST_FORWARD = 0.2
-"""Least rate of the lean in stance [rad/s]."""
 LEAST_RATIO = 0.1
 """Least ratio of momenta about the foot after and before a flight, and least weight and width."""
 
@@ -97,10 +95,11 @@ def hop_margins(
     start = polynomial(tube.weight, jnp.zeros_like(s))
     least_support = 0.05  # Upward force of the floor, as a share of the weight.
     least_rise = 0.3  # Upward velocity of the centre of mass at lift-off [m/s].
+    least_forward = 0.2  # Rate of the lean in stance [rad/s].
     return {
         "low fence": upward,
         "high fence": -upward,
-        "forward": jnp.stack([rates[0], policy.sweep]) - LEAST_FORWARD,
+        "forward": jnp.stack([rates[0], policy.sweep]) - least_forward,
         "chart": jnp.stack([weight, width]) - LEAST_RATIO,
         "support": support - least_support,
         "grip": jnp.stack([robot.friction * support - forward, robot.friction * support + forward]),

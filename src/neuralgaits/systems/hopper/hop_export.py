@@ -18,8 +18,6 @@ from neuralgaits.systems.hopper.flight_plan import (
     flight_forces,
 )
 
-TICK = ("hopper_tick.h", "hopper_tick.c")
-"""Files beside this one that are the same for every hopper."""
 ABOUT = """Forces at a state: progress of the stance and momentum about the foot, in the policy's
  * range; lean, length and their rates of the leg; share of the flight that has passed, its
  * duration, lean, length and their rates at lift-off, rate of the lean at its end. In SI units.
@@ -48,6 +46,8 @@ def header_of(run: FamilyRun) -> ControllerHeader:
         "EARLIEST": (episodes.EARLIEST, "share of a flight before which contact is no touchdown"),
         "SHORTEST_FLIGHT": (SHORTEST_FLIGHT, "s"),
     }
+    # Files beside this one that are the same for every hopper.
+    tick_files = ("hopper_tick.h", "hopper_tick.c")
     return ControllerHeader(
         file="hopper",
         function="ng_hopper_forces",
@@ -58,7 +58,9 @@ def header_of(run: FamilyRun) -> ControllerHeader:
         unit="N or N m",
         limit=robot.force_limit,
         proved="its hybrid\n * zero dynamics, not of their control, flights' ways or sampling",
-        more={name: Path(__file__).with_name(name).read_text(encoding="utf-8") for name in TICK},
+        more={
+            name: Path(__file__).with_name(name).read_text(encoding="utf-8") for name in tick_files
+        },
     )
 
 

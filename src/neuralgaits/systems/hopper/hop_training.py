@@ -18,27 +18,8 @@ from neuralgaits.systems.hopper.hopper_model import Hopper
 from neuralgaits.systems.hopper.length_policy import LengthPolicy
 from neuralgaits.systems.trained_system import TrainingProgress
 
-LEAN, PUSH = 0.3, 0.7
-"""Lean at both ends of the first stance [rad], and slope of the length at its end [m/rad]."""
-REACH = 0.6
-"""Share of the leg's range at lift-off."""
-SPEED = 1.0
-"""Forward speed of the hip in the first stance where the leg is upright [m/s]."""
 DEGREE = 8
 """Degree of the polynomials of the tube."""
-WIDENS, NARROWS = 0.02, 0.3
-"""Widening of the tube over a stance where the policy has no hold, and narrowing where it has."""
-GAIN = -0.045
-"""Change of the first policy's length by half of the momentum's range [m]."""
-SAMPLES, WORST, TARGET = 256, 16, 0.01
-"""States an iteration, how many of the worst of them count, and the margin that is aimed at."""
-PENALTY, WIDE = 20.0, 0.1
-"""Weights of margins below the target, and of the logarithm of the tube's width."""
-LEARNING_RATE, LAST_SHARE = 0.002, 0.01
-EVERY = 100
-"""Iterations between two reports."""
-SCALES = {"low fence": 0.02, "high fence": 0.02, "closer": 0.1, "approach": 1.0, "lands": 0.5}
-"""Scales of margins in the loss; 1 for all others."""
 
 
 def first_gait(robot: Hopper, width: int, key: PRNGKeyArray) -> HopController:
@@ -49,11 +30,16 @@ def first_gait(robot: Hopper, width: int, key: PRNGKeyArray) -> HopController:
         width: of the hidden layer.
         key: of the network's weights.
     """
-    longest = robot.shortest + REACH * (robot.longest - robot.shortest)
-    ends = np.array([-LEAN, LEAN, longest, PUSH])
-    upright = float(robot.stance_inertia(jnp.asarray(longest - 0.5 * LEAN * PUSH)))
-    middle = upright * SPEED / (longest - 0.5 * LEAN * PUSH)
-    policy = LengthPolicy.init(ends, GAIN, width, key)
+    lean = 0.3  # At both ends of the stance [rad].
+    push = 0.7  # Slope of the length at lift-off [m/rad].
+    reach = 0.6  # Share of the leg's range at lift-off.
+    speed = 1.0  # Of the hip forward, where the leg is upright [m/s].
+    gain = -0.045  # Change of the length by half of the momentum's range [m].
+    longest = robot.shortest + reach * (robot.longest - robot.shortest)
+    ends = np.array([-lean, lean, longest, push])
+    upright = float(robot.stance_inertia(jnp.asarray(longest - 0.5 * lean * push)))
+    middle = upright * speed / (longest - 0.5 * lean * push)
+    policy = LengthPolicy.init(ends, gain, width, key)
     still = eqx.tree_at(lambda one: (one.gain, one.output), policy, replace_fn=jnp.zeros_like)
     s = np.linspace(0.0, 1.0, 401)
     slope_at = jax.jit(lambda x: energy_slope(robot, still, x, jnp.asarray(0.5 * middle**2)))
@@ -69,7 +55,9 @@ def first_gait(robot: Hopper, width: int, key: PRNGKeyArray) -> HopController:
     policy = eqx.tree_at(
         lambda one: (one.reference, one.scale), policy, (reference, jnp.asarray(0.5 * scale))
     )
-    sizes = scale * spread(-NARROWS, WIDENS), spread(NARROWS, -WIDENS)
+    # Over a stance the tube narrows where the policy has a hold, and widens where it has none.
+    narrows, widens = 0.3, 0.02
+    sizes = scale * spread(-narrows, widens), spread(narrows, -widens)
     return HopController(policy, HopTube(reference, *map(jnp.asarray, sizes)))
 
 
@@ -104,8 +92,11 @@ def sampled_hops(
 
 def _shortfall(margins: Mapping[str, Array]) -> Array:
     """Return by how much margins fall short of their target, worst states only, on average."""
+    scales = {"low fence": 0.02, "high fence": 0.02, "closer": 0.1, "approach": 1.0, "lands": 0.5}
+    target = 0.01
+    worst_states = 16
     short = [
-        jax.lax.top_k(jax.nn.relu(TARGET - row / SCALES.get(name, 1.0)), WORST)[0]
+        jax.lax.top_k(jax.nn.relu(target - row / scales.get(name, 1.0)), worst_states)[0]
         for name, row in margins.items()
     ]
     return sum((jnp.mean(row) for row in short), start=jnp.zeros(()))
@@ -133,7 +124,7 @@ def train_hopper(
     key = jax.random.key(seed)
     start = first_gait(robot, width, key)
     # Without a step the first gait is left as it is.
-    rates = optax.cosine_decay_schedule(LEARNING_RATE, max(steps, 1), LAST_SHARE)
+    rates = optax.cosine_decay_schedule(0.002, max(steps, 1), alpha=0.01)
     optimiser = optax.adam(rates)
 
     # Weights of order one: sizes relative to those at the start.
@@ -149,8 +140,9 @@ def train_hopper(
         )
 
     def loss(weights: Any, draw: PRNGKeyArray):
-        margins = sampled_hops(robot, controller_of(weights), rate, draw, SAMPLES)
-        return PENALTY * _shortfall(margins) - WIDE * weights[2]
+        margins = sampled_hops(robot, controller_of(weights), rate, draw, 256)
+        # Width is worth little beside margins that fall short.
+        return 20.0 * _shortfall(margins) - 0.1 * weights[2]
 
     @jax.jit
     def updated(weights: Any, state, draw: PRNGKeyArray):
@@ -166,6 +158,6 @@ def train_hopper(
     state = optimiser.init(weights)
     for step in range(steps):
         weights, state, value = updated(weights, state, jax.random.fold_in(key, step))
-        if progress is not None and (step % EVERY == 0 or step + 1 == steps):
+        if progress is not None and (step % 100 == 0 or step + 1 == steps):
             progress(step + 1, float(value))
     return jax.tree.map(np.asarray, controller_of(weights))

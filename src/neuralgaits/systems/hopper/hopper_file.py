@@ -18,8 +18,6 @@ from neuralgaits.systems.mjcf_contents import PlanarLink, joint_kinds, model_nam
 BUILT_IN = "hopper"
 ON_LINE = 1e-9
 """Largest distance [m] of what must lie on the leg's line, or on the wheel's axis."""
-ALIKE = 1e-9
-"""Largest difference of energies and forces that is rounding, as a share of the largest."""
 PLANE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 """Forward and up."""
 ROLES = (
@@ -48,7 +46,8 @@ def read_hopper(text: str, name: str) -> tuple[Hopper, HopperData]:
         raise RobotError(f"{name} is no hopper that can be treated: {'; '.join(problems)}")
     data = _data(model, model_name(model, name))
     share = difference_from_mujoco(model, data)
-    if not share <= ALIKE:
+    rounding = 1e-9  # Of energies and forces, as a share of the largest.
+    if not share <= rounding:
         raise RobotError(
             f"{name}: expected energies and forces of a hopper from MuJoCo, found others (by "
             f"{share:.2g} of them): remove what no formula here has, such as gravcomp, flags that "

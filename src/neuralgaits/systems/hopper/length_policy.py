@@ -11,9 +11,6 @@ from neuralgaits.gait.activations import tanh
 from neuralgaits.systems.hopper.hop_tube import polynomial
 from neuralgaits.systems.hopper.hopper_model import Flight, Hopper, flight
 
-SMALL = 0.01
-"""Factor on the output weights at the start."""
-
 
 class LengthPolicy(eqx.Module):
     """l(s, sigma) = cubic(s) + 16 s^2 (1 - s)^2 (2 s - 1) network(s, sigma), s from 0 to 1.
@@ -44,7 +41,7 @@ class LengthPolicy(eqx.Module):
         """Return a policy near a gain on the energy, with a reference of 0."""
         first, second = jax.random.split(key)
         hidden = jax.random.normal(first, (width, 2))
-        output = SMALL * abs(gain) * jax.random.normal(second, (width,))
+        output = 0.01 * abs(gain) * jax.random.normal(second, (width,))
         start = jnp.asarray(ends), jnp.asarray(gain), hidden, jnp.zeros(width), output
         return cls(*start, jnp.zeros(1), jnp.ones(()))
 

@@ -17,8 +17,6 @@ from neuralgaits.systems.walker3d.spatial_impact import SIGNS, SWAPPED
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
 from neuralgaits.systems.walker3d.spatial_walks import LANDING, law_of_gait
 
-FLAGS = ("-std=c99", "-O1", "-fPIC", "-shared")
-"""Flags of the compiler; a higher level takes twice the time to compile."""
 _SIX, _THREE = 6 * ctypes.c_double, 3 * ctypes.c_double
 
 
@@ -84,7 +82,9 @@ class CompiledController:
         header = run.system.header(run)
         files = c_files(run, controller_program(run.system, run), header)
         sources = tuple(name for name in files if name.endswith(".c"))
-        library = SharedLibrary("walker3d", files, sources, FLAGS)
+        # A higher level takes twice the time to compile.
+        flags = ("-std=c99", "-O1", "-fPIC", "-shared")
+        library = SharedLibrary("walker3d", files, sources, flags)
         try:
             return cls(ctypes.CDLL(str(compiler.cached(library, cache_folder() / "walker3d"))))
         except CompilerError:
@@ -128,11 +128,11 @@ class TracedController:
         swing = plants.touching(0)[0 if self._left else 1]
         self._left ^= bool(swing and self._phase > LANDING)
         plants.left[:] = self._left
-        found: Any = jax.tree.map(np.asarray, self._law(plants.measured()))
-        self._phase = float(self._policy.phase(found.z[0]))
-        torques = found.torques[0]
+        demand: Any = jax.tree.map(np.asarray, self._law(plants.measured()))
+        self._phase = float(self._policy.phase(demand.z[0]))
+        torques = demand.torques[0]
         own = SIGNS[2:] * torques[SWAPPED[2:] - 2] if self._left else torques
-        return TorqueTick(own, found.z[0], self._left)
+        return TorqueTick(own, demand.z[0], self._left)
 
 
 def controller_of(run: FamilyRun) -> LiveController:

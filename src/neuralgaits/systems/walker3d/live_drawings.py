@@ -16,12 +16,15 @@ SLICES = (
 """Name, unit and factor of each slice."""
 SEEN = 3.0
 """Extent of a slice either way, in the tube's largest half width; what is beyond is at its edge."""
-WIDE, TALL, LEFT_PX = 330.0, 74.0, 6.0
-"""Size of a slice, and its left margin [px]."""
+WIDE, TALL = 330.0, 74.0
+"""Size of a slice [px]."""
+LEFT_PX = 6.0
+"""Left margin of a slice [px]."""
 RIGHT_INK, LEFT_INK = Ink("#1a63b8", "#6aa8ee"), Ink("#c46a1b", "#f0a35a")
-BAND = "rgba(61,140,87,.30)"
-M_ACROSS, PRINTS_PX = 2.6, 100.0
-"""Length of the floor that is seen [m], and height of its drawing [px]."""
+M_ACROSS = 2.6
+"""Length of the floor that is seen [m]."""
+PRINTS_PX = 100.0
+"""Height of the drawing of footprints [px]."""
 
 
 class TubeSlices:
@@ -76,7 +79,7 @@ class TubeSlices:
         return (
             f'<rect x="{LEFT_PX}" y="1" width="{WIDE - 2 * LEFT_PX}" height="{TALL - 2}" rx="3" '
             'style="fill:rgba(128,140,150,.10)"/>'
-            f'<polygon points="{_points(upper + lower[::-1])}" style="fill:{BAND}"/>'
+            f'<polygon points="{_points(upper + lower[::-1])}" style="fill:rgba(61,140,87,.30)"/>'
             f'<line x1="{LEFT_PX}" x2="{WIDE - LEFT_PX}" y1="{middle}" y2="{middle}" '
             'style="stroke:currentColor;opacity:.35;stroke-dasharray:4 4"/>'
         )

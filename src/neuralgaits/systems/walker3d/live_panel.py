@@ -25,16 +25,7 @@ PUSH = Slider("impulse [N s]", 0.0, 20.0, 4.0, 0.5, "on the torso, for 0.1 s")
 """Impulse of a push [N s]."""
 WAYS = {"◄ left": (0, 1), "right ►": (0, -1), "forward": (1, 0), "back": (-1, 0)}
 """Directions of a push, forward and to the left."""
-KEYS = ("J", "L", "I", "K")
-"""Key of each direction."""
 WAITING = "Getting ready: the controller is being compiled"
-_EVERY = 8
-"""Frames between two updates of words and drawings."""
-_SLICES = (
-    "Green: the tube's extent, less its middle, from touchdown to touchdown. Inside the tube a "
-    "state is within all three bands; the tube's sections are ellipsoids and hold less."
-)
-_PRINTS = "Seen from above, forward to the right. Blue: right foot, orange: left; line: the hips."
 
 
 class StatedProof(NamedTuple):
@@ -83,10 +74,19 @@ class SpatialPanel:
         with gui.add_folder("The tube, and where the robot is"):
             self._slices, drawn = TubeSlices(gait), gui.add_html("")
             self._tube = drawn
-            gui.add_html(note(_SLICES))
+            slices = (
+                "Green: the tube's extent, less its middle, from touchdown to touchdown. Inside "
+                "the tube a state is within all three bands; the tube's sections are ellipsoids "
+                "and hold less."
+            )
+            gui.add_html(note(slices))
         with gui.add_folder("Footprints"):
             self._prints = gui.add_html("")
-            gui.add_html(note(_PRINTS))
+            prints = (
+                "Seen from above, forward to the right. Blue: right foot, orange: left; line: the "
+                "hips."
+            )
+            gui.add_html(note(prints))
         with gui.add_folder("What is proved, and what is not"):
             self._proof = gui.add_markdown("Reading the proof file.")
 
@@ -108,7 +108,7 @@ class SpatialPanel:
         """Update words and drawings."""
         self._count += 1
         self._sliders.put_back()
-        if self._count % _EVERY != 1:
+        if self._count % 8 != 1:  # Words and drawings change in every eighth frame.
             return
         shown: SpatialMoment = picture.shown
         self._status.content = self.status(picture)
@@ -143,7 +143,7 @@ class SpatialPanel:
         def _(_event: object) -> None:
             push(ways.value)
 
-        for key, way in zip(KEYS, WAYS, strict=True):
+        for key, way in zip(("J", "L", "I", "K"), WAYS, strict=True):
             command = gui.add_command(f"push {way.strip('◄► ')}", hotkey=key)
             command.on_trigger(lambda _event, way=way: push(way))
 

@@ -27,10 +27,6 @@ VIEWS: dict[str, Direction] = {
 """Where a visitor may look from; the first is where everybody begins."""
 RIGHT, LEFT = (26, 99, 184), (222, 120, 32)
 """Colours of the right and of the left leg, and of their footprints [RGB]."""
-TORSO = (120, 128, 138)
-"""Colour of the torso [RGB]."""
-FOLLOWS_S = 1.5
-"""Time constant with which the scene follows the robot aside [s]."""
 
 
 class SpatialStage:
@@ -92,7 +88,8 @@ class SpatialStage:
     def _middle(self, shown: SpatialMoment) -> tuple[float, float]:
         """Return the place of the floor in the scene's middle [m]."""
         x, y = float(shown.hips[0]), float(shown.hips[1])
-        share = 1.0 - math.exp(-max(0.0, shown.time - self._time) / FOLLOWS_S)
+        follows_s = 1.5  # Time constant with which the scene follows the robot aside [s].
+        share = 1.0 - math.exp(-max(0.0, shown.time - self._time) / follows_s)
         self._time = shown.time
         self._aside = y if math.isnan(self._aside) else self._aside + share * (y - self._aside)
         return x, self._aside
@@ -125,7 +122,7 @@ def _alone(robot: SpatialRobot) -> mujoco.MjModel:
 def _paint(model: mujoco.MjModel, robot: SpatialRobot) -> None:
     """Give each leg a colour of its own, and the torso a third one, whatever the file has."""
     bodies = robot.tree.bodies
-    colours = {bodies[0]: TORSO} | dict.fromkeys(bodies[1:3], RIGHT)
+    colours = {bodies[0]: (120, 128, 138)} | dict.fromkeys(bodies[1:3], RIGHT)
     colours |= dict.fromkeys(bodies[3:5], LEFT)
     for geom in range(model.ngeom):
         body = int(model.body_weldid[model.geom_bodyid[geom]])

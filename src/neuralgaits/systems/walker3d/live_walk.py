@@ -22,10 +22,10 @@ from neuralgaits.viewer.plant_sliders import plant_sliders, torso_slider
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
 
-PRINTS = 14
-"""Footprints that are kept."""
-SAMPLE_TICKS, SAMPLES = 16, 130
-"""Ticks between two samples of the trail, and how many are kept: some four steps."""
+SAMPLE_TICKS = 16
+"""Ticks between two samples of the trail."""
+SAMPLES = 130
+"""Samples of the trail that are kept: some four steps."""
 TILT_TICKS = 10
 """Ticks between two small turns of the floor."""
 TOO_SLOW = "too slow to finish the step"
@@ -163,7 +163,7 @@ class SpatialLive:
         self._place = 0.0, np.full(3, np.nan), np.nan
         self._trail: deque[np.ndarray] = deque(maxlen=SAMPLES)
         self._path: deque[np.ndarray] = deque(maxlen=2 * SAMPLES)
-        self._prints: deque[Footprint] = deque([self._print(left=False)], maxlen=PRINTS)
+        self._prints: deque[Footprint] = deque([self._print(left=False)], maxlen=14)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
         """Push the torso forward and to the left [N s], for `DURATION_S`."""

@@ -21,13 +21,6 @@ from neuralgaits.systems.walker3d.spatial_start import first_guess
 from neuralgaits.systems.walker3d.spatial_step import step_from
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
-SEARCHED, TRIES = 250, 8
-"""Largest number of iterations, and of dampings that one of them tries."""
-LEAST_GAIN = 1e-5
-"""Share of the cost that an iteration must gain to be followed by another."""
-PERIODS, PERIOD_MISS = 8, 1e-9
-"""Newton steps towards the exact period, and the miss that ends them, in scaled coordinates."""
-
 
 class _Iterate(NamedTuple):
     """Numbers with their residuals and the derivatives of these."""
@@ -44,7 +37,7 @@ class _Iterate(NamedTuple):
 def find_orbit(
     robot: SpatialWalker,
     aims: OrbitAims,
-    iterations: int = SEARCHED,
+    iterations: int = 250,
     progress: Callable[[int, float], None] | None = None,
 ) -> SpatialOrbit:
     """Find a periodic gait.
@@ -64,8 +57,9 @@ def find_orbit(
 
     def evaluated(point: Float[np.ndarray, " p"]) -> _Iterate:
         near = np.vstack([point, point + DIFFERENCE * np.eye(len(point))])
-        found = np.asarray(rows(jnp.asarray(near)))
-        return _Iterate(point, found[0], (found[1:] - found[0]).T / DIFFERENCE)
+        residuals = np.asarray(rows(jnp.asarray(near)))
+        slopes = (residuals[1:] - residuals[0]).T / DIFFERENCE
+        return _Iterate(point, residuals[0], slopes)
 
     best, damping = evaluated(numbers), 1e-2
     if not np.isfinite(best.cost):
@@ -73,6 +67,7 @@ def find_orbit(
             f"expected a first guess of a gait at {aims.speed:.3g} m/s, found none: this robot's "
             "legs are too short or its motors too weak for it"
         )
+    least_gain = 1e-5  # Share of the cost that an iteration must gain to be followed by another.
     for count in range(iterations):
         moved = _moved(best, damping, evaluated)
         if moved is None:
@@ -81,7 +76,7 @@ def find_orbit(
         gain, best = best.cost - following.cost, following
         if progress is not None:
             progress(count + 1, best.cost)
-        if gain < LEAST_GAIN * best.cost:
+        if gain < least_gain * best.cost:
             break
     policy, start = restored(jnp.asarray(best.numbers))
     policy = jax.tree.map(np.asarray, policy)
@@ -94,7 +89,8 @@ def _moved(
 ) -> tuple[_Iterate, float] | None:
     """Return a point with a lower cost and the damping to go on with; None if none was found."""
     square, slope = point.slopes.T @ point.slopes, point.slopes.T @ point.residuals
-    for _ in range(TRIES):
+    dampings = 8
+    for _ in range(dampings):
         damped = square + damping * np.diag(np.diag(square) + 1e-6)
         following = evaluated(point.numbers - np.linalg.solve(damped, slope))
         if np.isfinite(following.slopes).all() and following.cost < point.cost:
@@ -117,13 +113,14 @@ def exact_period(
     """
     near = np.vstack([np.zeros(3), 0.1 * np.eye(3), -0.1 * np.eye(3)]) * scale
     landed = quick_jit(jax.vmap(lambda one: step_from(robot, policy, one).landed[1:]))
-    for _ in range(PERIODS):
-        found = np.asarray(landed(jnp.asarray(start + near)))
-        section = (found[1:4] - found[4:]).T / 0.2 / scale[:, None]
-        missed = (found[0] - start) / scale
+    newton_steps = 8
+    for _ in range(newton_steps):
+        ends = np.asarray(landed(jnp.asarray(start + near)))
+        section = (ends[1:4] - ends[4:]).T / 0.2 / scale[:, None]
+        missed = (ends[0] - start) / scale
         if not np.isfinite(section).all():
             break
-        if np.abs(missed).max() <= PERIOD_MISS:
+        if np.abs(missed).max() <= 1e-9:  # In scaled coordinates.
             return start, section
         start = start + scale * np.linalg.solve(np.eye(3) - section, missed)
     raise NonFiniteError("expected a gait with a period, found none: the robot does not walk so")

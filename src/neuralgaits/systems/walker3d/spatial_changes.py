@@ -9,7 +9,6 @@ from neuralgaits.simulation.setup.sensing import sensed
 
 TICK_S = 0.001
 """Time between two ticks of the controller."""
-_DRIVE_CHANGES = ("drive_stiffness", "drive_damping", "drive_rate")
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class SpatialChanges(PlantChanges):
     def __post_init__(self):
         """Check every value against its range."""
         super().__post_init__()
-        for name in _DRIVE_CHANGES:
+        for name in ("drive_stiffness", "drive_damping", "drive_rate"):
             if getattr(self, name) != getattr(PlantChanges, name):
                 raise InputError(
                     f"disturbance {name}: expected motors without a loop of their own for a walker "

@@ -4,6 +4,7 @@ A margin must not be negative anywhere in its region, see `spatial_levels.TABLE`
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -18,21 +19,28 @@ from neuralgaits.systems.walker3d.spatial_pose import Links, SpatialPose, cross
 from neuralgaits.systems.walker3d.spatial_tube import TubeSection, in_ball
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
-LEAST_FORWARD = 0.2
-"""Least velocity of the stance hip forward [m/s]."""
-LEAST_VOLUME = 0.02
-"""Least volume of a section, as a share of that where a step starts."""
-LEAST_LIFT = 0.01
-"""Least height of the swing foot over t (1 - t) [m]."""
-LEAST_DOWN = 0.05
-"""Least velocity down of the swing foot at touchdown [m/s]."""
-LEAST_NORMAL = 0.3
-"""Least normal force, as a share of the weight."""
-LARGEST_MISS = 0.02
-"""Largest distance aside between where the swing foot is after a touchdown and where the policy
-starts it [m]."""
-LARGEST_TWIST = 0.05
-"""Largest moment about the vertical that holds the yaw, over the normal force [m]."""
+
+class Limits(NamedTuple):
+    """Numbers that the margins of `periodic` are measured from."""
+
+    forward: float = 0.2
+    """Least velocity of the stance hip forward [m/s]."""
+    volume: float = 0.02
+    """Least volume of a section, as a share of that where a step starts."""
+    lift: float = 0.01
+    """Least height of the swing foot over t (1 - t) [m]."""
+    down: float = 0.05
+    """Least velocity down of the swing foot at touchdown [m/s]."""
+    normal: float = 0.3
+    """Least normal force, as a share of the weight."""
+    miss: float = 0.02
+    """Largest distance aside between where the swing foot is after a touchdown and where the
+    policy starts it [m]."""
+    twist: float = 0.05
+    """Largest moment about the vertical that holds the yaw, over the normal force [m]."""
+
+
+LIMITS = Limits()
 
 
 def spatial_margins(
@@ -46,9 +54,9 @@ def spatial_margins(
     lift = begin * (1.0 - t) - end * t + 16.0 * middle * t * (1.0 - t)
     return {
         "inward": -(w @ here.inside(slope_by_phase(gait, now) - _moved(here, w))),
-        "forward": now.rates[0] - LEAST_FORWARD,
-        "chart": here.volume / start.volume - LEAST_VOLUME,
-        "clearance": lift - LEAST_LIFT,
+        "forward": now.rates[0] - LIMITS.forward,
+        "chart": here.volume / start.volume - LIMITS.volume,
+        "clearance": lift - LIMITS.lift,
         **_force_margins(robot, needed),
         "range": joint_ranges(robot, now.pose, now.links),
         **_touchdown_margins(robot, gait, now, here.states(w), start),
@@ -70,9 +78,9 @@ def _force_margins(robot: SpatialWalker, needed: Loads) -> dict[str, Array]:
     """Return the margins of the floor's forces, as shares of the weight, and of torques."""
     weight = robot.mass * robot.gravity
     ahead, aside, normal = needed.ground / weight
-    yaw, bound = needed.yaw / (LARGEST_TWIST * weight), robot.friction * normal
+    yaw, bound = needed.yaw / (LIMITS.twist * weight), robot.friction * normal
     return {
-        "normal force": normal - LEAST_NORMAL,
+        "normal force": normal - LIMITS.normal,
         "friction": bound * bound - ahead * ahead - aside * aside,
         "yaw": normal * normal - yaw * yaw,
         "torque": 1.0 - (needed.torques / robot.limits) ** 2,
@@ -87,7 +95,7 @@ def joint_ranges(robot: SpatialWalker, pose: SpatialPose, links: Links) -> Float
     """
     forward, left, up = pose.torso
     roll, pitch, knee = robot.ranges
-    found = []
+    sines = []
     for side, rolled in enumerate(((-roll[1], -roll[0]), roll)):
         thigh, shin = links.frames[2 * side + 1], links.frames[2 * side + 2]
         normal = pose.normals[side]
@@ -99,9 +107,9 @@ def joint_ranges(robot: SpatialWalker, pose: SpatialPose, links: Links) -> Float
         )
         for sine, cosine, (low, high) in angles:
             if high - low < np.pi:
-                found += [sine * np.cos(low) - cosine * np.sin(low)]
-                found += [cosine * np.sin(high) - sine * np.cos(high)]
-    return jnp.stack(found) if found else jnp.ones(1)
+                sines += [sine * np.cos(low) - cosine * np.sin(low)]
+                sines += [cosine * np.sin(high) - sine * np.cos(high)]
+    return jnp.stack(sines) if sines else jnp.ones(1)
 
 
 def _touchdown_margins(
@@ -119,10 +127,10 @@ def _touchdown_margins(
     ahead, aside, normal = 10.0 * struck.impulse / robot.mass
     bound = robot.friction * normal
     down = -gait.policy.lift[1] * now.rates[0] / (gait.policy.ends[1] - gait.policy.ends[0])
-    missed = (gait.policy(landed).aside - before[0]) / LARGEST_MISS
+    missed = (gait.policy(landed).aside - before[0]) / LIMITS.miss
     return {
         "inlet": 1.0 - w @ w,
-        "touchdown": down - LEAST_DOWN,
+        "touchdown": down - LIMITS.down,
         "leaving": struck.leaving[2],
         "impulse": jnp.stack([normal, bound * bound - ahead * ahead - aside * aside]),
         "swing start": 1.0 - missed * missed,

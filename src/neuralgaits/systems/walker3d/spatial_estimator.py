@@ -29,11 +29,11 @@ class SpatialEstimate(NamedTuple):
     """State of the estimator of a robot on its right foot.
 
     Attributes:
-        found: what would be measured.
+        reading: what would be measured.
         accelerations: of the six joints [rad/s^2]. [6]
     """
 
-    found: Measured
+    reading: Measured
     accelerations: Float[Array, "6"]
 
 
@@ -55,7 +55,7 @@ def estimate(
         since: time since the touchdown [s].
         period: between two readings [s].
     """
-    before, joints = last.found, slice(2, None)
+    before, joints = last.reading, slice(2, None)
     momenta, momentum_rates = _momenta(robot, before)
     usual, quick = poles.joint_gains(period)
     gains = jnp.where(since < poles.quick_s, quick, usual)
@@ -74,11 +74,11 @@ def estimate(
     return SpatialEstimate(Measured(q, dq, velocity), last.accelerations + gains[2] * error)
 
 
-def _momenta(robot: SpatialWalker, found: Measured) -> tuple[Array, Array]:
+def _momenta(robot: SpatialWalker, reading: Measured) -> tuple[Array, Array]:
     """Return (L_y, n) about the stance foot, and the weight's moments [kg m^2/s], [N m]."""
-    links = links_of(robot, pose_of_joints(robot, found.joints))
+    links = links_of(robot, pose_of_joints(robot, reading.joints))
     weight = jnp.sum(robot.masses[:, None] * links.centres, axis=0)
-    return measured_state(robot, found)[2:], robot.gravity * weight[:2]
+    return measured_state(robot, reading)[2:], robot.gravity * weight[:2]
 
 
 def _lean_rates(
@@ -100,6 +100,6 @@ def _lean_rates(
     return jnp.stack([d * left[0] - b * left[1], a * left[1] - c * left[0]]) / divisor
 
 
-def first_estimate(found: Measured) -> SpatialEstimate:
+def first_estimate(reading: Measured) -> SpatialEstimate:
     """Return what is known at first of a robot whose rates are known then. [N, ...]."""
-    return SpatialEstimate(found, jnp.zeros(np.asarray(found.joints)[..., 2:].shape))
+    return SpatialEstimate(reading, jnp.zeros(np.asarray(reading.joints)[..., 2:].shape))

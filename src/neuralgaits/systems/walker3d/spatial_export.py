@@ -23,19 +23,12 @@ from neuralgaits.systems.walker3d.spatial_laws import (
 from neuralgaits.systems.walker3d.spatial_tube import in_ball
 from neuralgaits.systems.walker3d.spatial_walks import LANDING
 
-MORE = ("walker3d_tick.h", "walker3d_tick.c", "README.md")
-"""Files that are the same for every biped, in the folder `c_files` beside this file."""
 ABOUT = """State: roll and pitch of the torso, then hip roll, hip pitch and knee of stance leg and
  * swing leg; the rates of these eight; velocity of the middle of the hips, forward, left and up;
  * 1 if that is measured, 0 if the stance foot counts as at rest. The stance leg is the right one:
  * reflect a robot on its left foot. In rad, rad/s and m/s. Torques, stance leg first [N m], not
  * limited. z: hip from stance foot, forward and to the left [m], and momenta about that foot, L_y
  * and -L_x [kg m^2/s]"""
-BLOCK = 200
-"""States evaluated at once."""
-SPREAD = np.array([0.01, 0.02, 0.01])
-"""Deviations of the states at which an export is compared, of angles [rad], rates [rad/s] and
-velocities [m/s], about those of the gait."""
 
 
 def header_of(run: FamilyRun) -> ControllerHeader:
@@ -52,6 +45,8 @@ def header_of(run: FamilyRun) -> ControllerHeader:
         "KNEE_LIMIT": (knee, "N m, of a knee's motor"),
     }
     folder = Path(__file__).with_name("c_files")
+    # Files that are the same for every biped, in the folder `c_files` beside this file.
+    more_files = ("walker3d_tick.h", "walker3d_tick.c", "README.md")
     return ControllerHeader(
         file="walker3d",
         function="ng_walker3d_law",
@@ -62,7 +57,7 @@ def header_of(run: FamilyRun) -> ControllerHeader:
         unit="N m",
         limit=max(roll, pitch, knee),
         proved="its projected\n * hybrid zero dynamics, the yaw held, not of `pd` or sampling",
-        more={name: (folder / name).read_text(encoding="utf-8") for name in MORE},
+        more={name: (folder / name).read_text(encoding="utf-8") for name in more_files},
     )
 
 
@@ -75,8 +70,8 @@ def law_of(run: FamilyRun) -> Callable[[Float[Array, "20"]], dict[str, Array]]:
         joints, rates, velocity = state[:8], state[8:16], state[16:19]
         resting = jax.jvp(lambda q: hips_of(robot, q)[1], (joints,), (rates,))[1]
         used = resting + state[19] * (velocity - resting)
-        asked = pd_law(robot, policy, gains, Measured(joints, rates, used))
-        return {"torques": asked.torques, "z": asked.z}
+        demand = pd_law(robot, policy, gains, Measured(joints, rates, used))
+        return {"torques": demand.torques, "z": demand.z}
 
     return law
 
@@ -89,6 +84,9 @@ def random_states(run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "c
         z = gait.state(u[0], gait.tube.section(u[0]).states(in_ball(u[1:])))
         return jnp.concatenate(exact_reading(robot, gait.policy, z))
 
-    rows = in_blocks(quick_jit(jax.vmap(full)), BLOCK, draw.uniform(size=(count, 4)))
-    rows = rows + draw.standard_normal(rows.shape) * np.repeat(SPREAD, (8, 8, 3))
+    rows = in_blocks(quick_jit(jax.vmap(full)), 200, draw.uniform(size=(count, 4)))
+    # Deviations of the states at which an export is compared, of angles [rad], rates [rad/s] and
+    # velocities [m/s], about those of the gait.
+    spread = np.array([0.01, 0.02, 0.01])
+    rows = rows + draw.standard_normal(rows.shape) * np.repeat(spread, (8, 8, 3))
     return np.concatenate([rows, np.arange(count)[:, None] % 2.0], axis=1)

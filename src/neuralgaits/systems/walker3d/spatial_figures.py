@@ -23,8 +23,6 @@ APART = 0.45
 """Distance of poses that are drawn beside each other [m]."""
 WIDTH = 6.2
 """Width of the figures [in]."""
-FEET = ((style.BLUE, "o", "right foot"), (style.ORANGE, "s", "left foot"))
-"""Colour, mark and words of right and left footprints."""
 SLICES = (("$y$ [mm]", 1e3), ("$L_y$ [kg m²/s]", 1.0), ("$n$ [kg m²/s]", 1.0))
 """Words and factor of each deviation."""
 
@@ -56,9 +54,11 @@ def draw_footprints(traces: Sequence[WalkTrace], words: Sequence[str]) -> Figure
     """Draw walks from above, each in a panel: footprints, the hips, and where it was pushed."""
     figure = Figure(figsize=(WIDTH, 1.1 * len(traces) + 0.8), layout="constrained")
     panels = figure.subplots(len(traces), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    # Of right and left footprints.
+    styles = ((style.BLUE, "o", "right foot"), (style.ORANGE, "s", "left foot"))
     for axes, trace, title in zip(panels, traces, words, strict=True):
         axes.plot(*trace.path.T, color=style.GREY, lw=1.2, label="hips")
-        for left, (color, mark, name) in enumerate(FEET):
+        for left, (color, mark, name) in enumerate(styles):
             feet = np.array([(one.x, one.y) for one in trace.prints if one.left == left])
             axes.plot(*feet.T, mark, color=color, markersize=5, label=name)
         if np.all(np.isfinite(trace.pushed)):

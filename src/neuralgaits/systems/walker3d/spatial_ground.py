@@ -14,8 +14,6 @@ from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.systems.walker3d.spatial_changes import SpatialChanges
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 
-_CONTACT_FIELDS = ("condim", "friction", "solmix", "solref", "solimp", "margin", "gap", "priority")
-
 
 def slope_of(changes: SpatialChanges) -> float:
     """Return the rise of the floor per metre forward."""
@@ -51,9 +49,13 @@ def disturbed_model(robot: SpatialRobot, changes: SpatialChanges) -> mujoco.MjMo
     spec = mujoco.MjSpec.from_string(robot.text)
     floor = next(g for g in spec.geoms if g.type == mujoco.mjtGeom.mjGEOM_PLANE)
     feet = [_place_of(numbers, foot) for foot in robot.tree.feet]
+    contact_fields = (
+        *("condim", "friction", "solmix", "solref"),
+        *("solimp", "margin", "gap", "priority"),
+    )
     for leg, (body, place) in enumerate(feet):
         plane = add_plane(spec, leg, math.radians(changes.slope_deg))
-        for name in _CONTACT_FIELDS:
+        for name in contact_fields:
             setattr(plane, name, getattr(floor, name))
         foot = list(spec.bodies[body].geoms)[place]
         foot.contype = foot.conaffinity = FLOOR_BITS[leg]

@@ -32,8 +32,10 @@ from neuralgaits.systems.walker3d.spatial_pose import (
 )
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
-STIFFNESS, DAMPING = 45.0, 1.0
-"""Rate of the joints' errors under both laws [1/s], and their damping ratio."""
+STIFFNESS = 45.0
+"""Rate of the joints' errors under both laws [1/s]."""
+DAMPING = 1.0
+"""Damping ratio of the joints' errors under both laws."""
 PdGains = tuple[Float[np.ndarray, "6"], Float[np.ndarray, "6"]]
 """Stiffness [N m/rad] and damping [N m s/rad] of the six joints, stance leg first."""
 
@@ -74,14 +76,14 @@ def desired_joints(
     return joints_of_pose(robot, pose_of_outputs(robot, z[:2], policy.beyond(z)))
 
 
-def measured_state(robot: SpatialWalker, found: Measured) -> SpatialState:
+def measured_state(robot: SpatialWalker, reading: Measured) -> SpatialState:
     """Return the state of the zero dynamics of a measured state of the robot."""
-    pose = pose_of_joints(robot, found.joints)
+    pose = pose_of_joints(robot, reading.joints)
     links = links_of(robot, pose)
-    motion = motion_of_rates(robot, links, jacobians_of(links, pose), found.rates)
+    motion = motion_of_rates(robot, links, jacobians_of(links, pose), reading.rates)
     # The middle of the hips moves so on a foot at rest; the rest is the foot's own velocity.
-    middle = jax.jvp(lambda q: hips_of(robot, q)[1], (found.joints,), (found.rates,))[1]
-    linear = motion.linear + (found.velocity - middle)[None]
+    middle = jax.jvp(lambda q: hips_of(robot, q)[1], (reading.joints,), (reading.rates,))[1]
+    linear = motion.linear + (reading.velocity - middle)[None]
     about = angular_momentum(robot, links, motion._replace(linear=linear))
     return jnp.concatenate([pose.hips[0, :2], jnp.stack([about[1], -about[0]])])
 
@@ -120,15 +122,15 @@ def pd_law(
     robot: SpatialWalker,
     policy: SpatialPolicy,
     gains: PdGains,
-    found: Measured,
+    reading: Measured,
 ) -> TorqueDemand:
     """Return the torques of the gait at the measured z, with PD around its joints and rates."""
-    z = measured_state(robot, found)
+    z = measured_state(robot, reading)
     now, needed = loads(robot, policy.beyond, z)
-    errors = angle_errors(found.joints, *turns_of_pose(robot, now.pose))[2:]
-    slips = (found.rates - now.joints)[2:]
+    errors = angle_errors(reading.joints, *turns_of_pose(robot, now.pose))[2:]
+    slips = (reading.rates - now.joints)[2:]
     torques = needed.torques - gains[0] * errors - gains[1] * slips
-    return TorqueDemand(torques, errors, z, pose_of_joints(robot, found.joints).feet[1, 2])
+    return TorqueDemand(torques, errors, z, pose_of_joints(robot, reading.joints).feet[1, 2])
 
 
 def angle_errors(
@@ -167,14 +169,16 @@ class Linearisation(NamedTuple):
     def solved(self) -> TorqueDemand:
         """Solve for the torques; outside of compiled code, where LAPACK does no harm."""
         right = np.asarray(self.right)[..., None]
-        found = np.linalg.solve(np.asarray(self.rows), right)
-        torques = (np.asarray(self.mass) @ found)[..., 2:, 0] + np.asarray(self.bias)[..., 2:]
+        accelerations = np.linalg.solve(np.asarray(self.rows), right)
+        torques = (np.asarray(self.mass) @ accelerations)[..., 2:, 0] + np.asarray(self.bias)[
+            ..., 2:
+        ]
         return TorqueDemand(torques, self.errors, self.z, self.swing)
 
 
-def linearisation(robot: SpatialWalker, policy: SpatialPolicy, found: Measured) -> Linearisation:
+def linearisation(robot: SpatialWalker, policy: SpatialPolicy, reading: Measured) -> Linearisation:
     """Return the equations in which the joints' errors obey e'' = -2 d w e' - w^2 e."""
-    q, dq = found.joints, found.rates
+    q, dq = reading.joints, reading.rates
 
     def moving(angles: Array) -> tuple[LinkMotion, Array, Array]:
         """Return motion, the hip's velocity, and the momenta's rates, of these rates."""
@@ -191,7 +195,7 @@ def linearisation(robot: SpatialWalker, policy: SpatialPolicy, found: Measured) 
     jacobians = jacobians_of(links, pose)
     mass = mass_matrix(robot, links, jacobians)
     bias = generalised(robot, jacobians, drift.linear + (robot.gravity * UP)[None], drift.spin)
-    z = measured_state(robot, found)
+    z = measured_state(robot, reading)
     dz = jnp.concatenate([velocity, pulled])
 
     def outputs(state: Array) -> tuple[Array, Array]:
@@ -207,11 +211,11 @@ def linearisation(robot: SpatialWalker, policy: SpatialPolicy, found: Measured) 
     )(jnp.eye(8, dtype=q.dtype))
     errors, slips = q[2:] - desired, dq[2:] - rate
     rows = jnp.eye(8, dtype=q.dtype)[2:] - slopes[:, :2] @ hip_rows
-    wanted = curve + slopes[:, :2] @ bend + slopes[:, 2:] @ pulled_rate
-    wanted = wanted - 2.0 * DAMPING * STIFFNESS * slips - STIFFNESS**2 * errors
+    goal = curve + slopes[:, :2] @ bend + slopes[:, 2:] @ pulled_rate
+    goal = goal - 2.0 * DAMPING * STIFFNESS * slips - STIFFNESS**2 * errors
     return Linearisation(
         jnp.concatenate([mass[:2], rows]),
-        jnp.concatenate([-bias[:2], wanted]),
+        jnp.concatenate([-bias[:2], goal]),
         mass,
         bias,
         errors,

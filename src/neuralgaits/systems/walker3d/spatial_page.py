@@ -67,8 +67,8 @@ class SpatialPage(LivePage):
         """Give the robot its controller, then read the proof file."""
         controller = controller_of(self._run)
         self.player.ask(lambda robot: robot.control_with(controller))
-        found = proof_in_words(self._run)
-        self._if_open(lambda: self._panel.tell_proof(found))
+        stated = proof_in_words(self._run)
+        self._if_open(lambda: self._panel.tell_proof(stated))
 
     def _show(self, picture: Picture) -> None:
         self._stage.show(picture.shown)

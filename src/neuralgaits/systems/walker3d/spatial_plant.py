@@ -84,11 +84,11 @@ class SpatialPlants:
         model = disturbed_model(robot, changes)
 
         def full(z: Array) -> tuple[Array, Array, Array, Array]:
-            found = exact_reading(robot.walker, gait.policy, z)
-            place = hips_of(robot.walker, found.joints)[1]
-            return found.joints, found.rates, place, found.velocity
+            reading = exact_reading(robot.walker, gait.policy, z)
+            place = hips_of(robot.walker, reading.joints)[1]
+            return reading.joints, reading.rates, place, reading.velocity
 
-        found = quick_jit(jax.vmap(full))(jnp.asarray(states))
+        starts = quick_jit(jax.vmap(full))(jnp.asarray(states))
         step = float(gait.policy.ends[1] - gait.policy.ends[0])
         terrain = terrain_under(changes, len(states), seed, -step)
         left = np.zeros(len(states), bool)
@@ -96,7 +96,7 @@ class SpatialPlants:
         rest = at_zero(model)
         hips = [rest.xanchor[leg[0]] for leg in robot.tree.joints]
         base = 0.5 * (hips[0] + hips[1])
-        for q, dq, place, speed in zip(*map(np.asarray, found), strict=True):
+        for q, dq, place, speed in zip(*map(np.asarray, starts), strict=True):
             world = mujoco.MjData(model)
             height = plants.radius * np.hypot(1.0, plants.slope)
             world.qpos[:3], world.qpos[3:] = place - base + height * UP, q

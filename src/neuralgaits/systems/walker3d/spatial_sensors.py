@@ -17,8 +17,6 @@ from neuralgaits.systems.walker3d.spatial_laws import Measured
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants, reflected
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
-_LEGS = SWAPPED[2:] - 2
-
 
 class SpatialSensors:
     """Sensors of some walks, which have their own noise by seed and number."""
@@ -46,7 +44,7 @@ class SpatialSensors:
             return seen
         last = _about(self._memory, plants.left != self._left)
         self._memory, self._left = self._estimates(last, seen.joints, since), plants.left.copy()
-        return self._memory.found
+        return self._memory.reading
 
 
 def with_errors(
@@ -74,5 +72,6 @@ def _estimates(walker: SpatialWalker) -> Callable[[SpatialEstimate, Array, Array
 def _about(last: SpatialEstimate, swapped: Array) -> SpatialEstimate:
     """Return estimates about the other foot where it has changed."""
     before = np.asarray(last.accelerations)
-    accelerations = np.where(swapped[:, None], SIGNS[2:] * before[:, _LEGS], before)
-    return SpatialEstimate(reflected(last.found, swapped), jnp.asarray(accelerations))
+    legs = SWAPPED[2:] - 2
+    accelerations = np.where(swapped[:, None], SIGNS[2:] * before[:, legs], before)
+    return SpatialEstimate(reflected(last.reading, swapped), jnp.asarray(accelerations))

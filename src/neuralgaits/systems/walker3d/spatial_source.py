@@ -7,8 +7,6 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.text import standalone_text
 
 BUILT_IN = "walker3d"
-SLIDES = 3
-"""Slides of the torso. Walkers in a plane have two; a free joint is theirs to take a section of."""
 
 
 def is_spatial(source: object) -> bool:
@@ -24,4 +22,5 @@ def is_spatial(source: object) -> bool:
         return False  # The reader of walkers says what is wrong.
     joints = [joint for body in root.iter("body") for joint in body.findall("joint")]
     slides = [joint for joint in joints if joint.get("type", "hinge") == "slide"]
-    return len(slides) == SLIDES and len(joints) > len(slides) + 2
+    # Walkers in a plane have two slides; a free joint is theirs to take a section of.
+    return len(slides) == 3 and len(joints) > len(slides) + 2

@@ -47,14 +47,6 @@ from neuralgaits.systems.walker3d.spatial_walks import (
 from neuralgaits.systems.walker3d.tube_fit import widest_gait
 from neuralgaits.systems.walker3d.tube_samples import needs_in_tube, sampled_margins
 
-FASTEST = 3.0
-"""Speeds that are looked for are below this [m/s]."""
-FRESH_SEED, FRESH = 2**31, 2**15
-"""Seed of the points at which the summary is measured, and their number in each region; no run can
-have that seed."""
-SHOWN_STEPS, SHOWN_PUSH_NS = 10, 5.0
-"""Steps of the walks on a page, and the push in one of them [N s]."""
-
 
 class SpatialSystem(ExportedSystem):
     """Model, training, proofs and words of bipeds in three dimensions."""
@@ -124,10 +116,10 @@ class SpatialSystem(ExportedSystem):
                 "speed: expected one speed for a walker in three dimensions, found a range: its "
                 "gaits take no commands, write --speed 0.6"
             )
-        if speed is not None and not 0.0 < speed < FASTEST:
+        if speed is not None and not 0.0 < speed < 3.0:
             raise InputError(
-                f"speed: expected more than 0 and less than {FASTEST:g} m/s, found {speed:g}: "
-                "write --speed 0.6"
+                f"speed: expected more than 0 and less than 3 m/s, found {speed:g}: write --speed "
+                "0.6"
             )
         return SpatialConfig(
             robot="",
@@ -168,14 +160,16 @@ class SpatialSystem(ExportedSystem):
         length = float(gait.policy.ends[1] - gait.policy.ends[0])
         widths = np.linalg.norm(gait.tube.sections(np.zeros(1))[1][0], axis=1)
         multipliers = np.sort(np.abs(np.linalg.eigvals(section)))[::-1]
+        count = 2**15  # In each region.
+        seed = 2**31  # No run can have it.
         return {
-            "margins": sampled_margins(trace_conditions(run), FRESH, FRESH_SEED),
-            "samples": FRESH,
+            "margins": sampled_margins(trace_conditions(run), count, seed),
+            "samples": count,
             "speed_m_s": length / duration,
             "step_m": length,
             "step_s": duration,
             "multipliers": tuple(float(x) for x in multipliers),
-            **needs_in_tube(robot, gait, FRESH, FRESH_SEED),
+            **needs_in_tube(robot, gait, count, seed),
             "inlet_m": float(widths[0]),
             "inlet_momenta": tuple(float(x / gait.start[1]) for x in widths[1:]),
         }
@@ -251,11 +245,14 @@ class SpatialSystem(ExportedSystem):
 
     def page_figures(self, run: FamilyRun) -> Sequence[tuple[Figure, str]]:
         """Draw a step of the orbit from two sides, walks in MuJoCo from above, and the tube."""
-        gait, traces = run.controller, trace_walks(run, SHOWN_STEPS, (0.0, SHOWN_PUSH_NS))
+        gait = run.controller
+        steps = 10
+        pushes = (0.0, 5.0)  # [N s]
+        traces = trace_walks(run, steps, pushes)
         titles = [
             f"{'pushed by ' + format(push, 'g') + ' N s to the left' if push else 'not pushed'}"
             f"{', fell' if trace.fell else ''}"
-            for push, trace in zip((0.0, SHOWN_PUSH_NS), traces, strict=True)
+            for push, trace in zip(pushes, traces, strict=True)
         ]
         return (
             (
@@ -264,7 +261,7 @@ class SpatialSystem(ExportedSystem):
             ),
             (
                 draw_footprints(traces, titles),
-                f"{SHOWN_STEPS} steps in MuJoCo under pd from above, simulated and not proved",
+                f"{steps} steps in MuJoCo under pd from above, simulated and not proved",
             ),
             (
                 draw_slices(gait, traces[0]),

@@ -9,9 +9,6 @@ from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.walker3d.live_controllers import LiveController, controller_of
 from neuralgaits.systems.walker3d.live_walk import Footprint, SpatialLive
 
-EVERY = 12
-"""Ticks between two samples."""
-
 
 class WalkTrace(NamedTuple):
     """A walk from the tube's middle.
@@ -43,9 +40,10 @@ def _trace(live: SpatialLive, controller: LiveController, steps: int, push: floa
     live.control_with(controller)
     rows, path, prints = [], [], dict.fromkeys(live.shown().prints)
     pushed, taken, ticks = np.full(2, np.nan), 0, 0
+    sample_ticks = 12
     while taken < steps and live.tick():
         ticks += 1
-        if ticks % EVERY and live.steps == taken:
+        if ticks % sample_ticks and live.steps == taken:
             continue
         shown = live.shown()
         if shown.steps > taken:

@@ -36,12 +36,12 @@ class SpatialTree:
 
 def children_of(model: mujoco.MjModel, body: int) -> list[int]:
     """Return the bodies with joints that hang on a body, or on what is welded to it."""
-    found = []
+    children = []
     for child in range(1, model.nbody):
         above = int(model.body_weldid[model.body_parentid[child]])
         if int(model.body_weldid[child]) == child and above == body:
-            found.append(child)
-    return found
+            children.append(child)
+    return children
 
 
 def tree_of(model: mujoco.MjModel) -> tuple[SpatialTree | None, list[str]]:
@@ -97,16 +97,16 @@ def _root_problems(model: mujoco.MjModel, data: mujoco.MjData, root: int) -> Ite
             "theory has not: give it slides x, y, z and hinges roll, pitch"
         )
         return
-    found = [(int(model.jnt_type[j]), data.xaxis[j]) for j in joints]
-    if any(kind == HINGE and abs(axis[2]) > 1.0 - CLOSE for kind, axis in found):
+    root_joints = [(int(model.jnt_type[j]), data.xaxis[j]) for j in joints]
+    if any(kind == HINGE and abs(axis[2]) > 1.0 - CLOSE for kind, axis in root_joints):
         yield (
             "the torso's yaw is free, and point feet of this model do not resist twisting: delete "
             "that hinge, and see what moment holds the yaw in the results"
         )
         return
-    alike = len(found) == len(ROOT) and all(
+    alike = len(root_joints) == len(ROOT) and all(
         kind == expected and _is_axis(axis, number)
-        for (kind, axis), (expected, number) in zip(found, ROOT, strict=True)
+        for (kind, axis), (expected, number) in zip(root_joints, ROOT, strict=True)
     )
     if not alike:
         yield (
@@ -157,26 +157,26 @@ def _feet(model: mujoco.MjModel, body: int) -> list[int]:
 def _motor(model: mujoco.MjModel, joint: int, problems: list[str]) -> int:
     """Return the motor of a joint; -1, and a problem, if it has no plain one with limits."""
     kind = int(mujoco.mjtTrn.mjTRN_JOINT)
-    found = [
+    motors = [
         motor
         for motor in range(model.nu)
         if int(model.actuator_trntype[motor]) == kind
         and int(model.actuator_trnid[motor, 0]) == joint
     ]
     name = joint_label(model, joint)
-    if len(found) != 1:
-        problems.append(f"joint {name}: expected one motor, found {len(found)}")
+    if len(motors) != 1:
+        problems.append(f"joint {name}: expected one motor, found {len(motors)}")
         return -1
     plain = (
-        model.actuator_gaintype[found[0]] == int(mujoco.mjtGain.mjGAIN_FIXED)
-        and model.actuator_biastype[found[0]] == int(mujoco.mjtBias.mjBIAS_NONE)
-        and model.actuator_dyntype[found[0]] == int(mujoco.mjtDyn.mjDYN_NONE)
+        model.actuator_gaintype[motors[0]] == int(mujoco.mjtGain.mjGAIN_FIXED)
+        and model.actuator_biastype[motors[0]] == int(mujoco.mjtBias.mjBIAS_NONE)
+        and model.actuator_dyntype[motors[0]] == int(mujoco.mjtDyn.mjDYN_NONE)
     )
-    limited = bool(model.actuator_ctrllimited[found[0]])
-    low, high = model.actuator_ctrlrange[found[0]]
+    limited = bool(model.actuator_ctrllimited[motors[0]])
+    low, high = model.actuator_ctrlrange[motors[0]]
     if not plain or not limited or low != -high or not high > 0.0:
         problems.append(
             f"joint {name}: expected a <motor> with equal limits either way, found another "
             'actuator: use <motor> with ctrlrange="-80 80" or its own'
         )
-    return found[0]
+    return motors[0]

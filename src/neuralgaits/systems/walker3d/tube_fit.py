@@ -22,10 +22,6 @@ from neuralgaits.systems.walker3d.spatial_tube import SpatialTube
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 from neuralgaits.systems.walker3d.tube_samples import sampled_margins
 
-SIZES = (0.62, 0.54, 0.47, 0.41, 0.35, 0.28, 0.2, 0.12)
-"""Half widths in L_y of the tubes that are tried, in deviations of `section_scale`."""
-FRESH, MARGIN = 2**12, 0.004
-"""Random points of each region at which all conditions must hold, and their least margin there."""
 DISTURBANCE = np.array([[0.83, 2.92, 0.0], [0.0, 1.0, 0.0], [0.44, -4.17, 0.56]])
 """Half axes, as columns, of what may happen to the start of each step, of any size, in deviations
 of `section_scale`: the tube's section is in proportion to what accumulates. Chosen for the robot
@@ -35,8 +31,6 @@ SHRINKING = 0.2
 the flow points inward; the touchdown takes at least as much back."""
 NEAR = 1e-3
 """Deviations from the orbit that are followed, in those of `section_scale`."""
-SLOPES, ENDS = 0.05, 20.0
-"""Weights of slopes and of both ends in the fit of polynomials."""
 
 
 class _Followed(NamedTuple):
@@ -54,12 +48,15 @@ def widest_gait(robot: SpatialWalker, orbit: SpatialOrbit) -> SpatialGait:
     The narrowest one is returned if there is none. Raises: NonFiniteError as `gait_of`.
     """
     scale = section_scale(robot, orbit.policy.pendulum)
-    for size in SIZES:
+    # Half widths in L_y of the tubes that are tried, in deviations of `section_scale`.
+    sizes = (0.62, 0.54, 0.47, 0.41, 0.35, 0.28, 0.2, 0.12)
+    for size in sizes:
         gait = gait_of(robot, orbit, scale, size)
         program = trace(
             lambda u, own=gait: spatial_margins(robot, own, u), {"u": (4,)}, parameters=gait
         )
-        if min(sampled_margins(program, FRESH, seed=0).values()) > MARGIN:
+        margins = sampled_margins(program, 2**12, seed=0)
+        if min(margins.values()) > 0.004:
             break
     return gait
 
@@ -95,13 +92,13 @@ def gait_of(
     order = np.ix_([1, 0, 2], [1, 0, 2])
     first = np.linalg.cholesky(shape[order])[[1, 0, 2]] * np.array([1.0, 1.0, -1.0])
     first = size / np.linalg.norm(first[1]) * scale[:, None] * first
-    found = _followed(robot, orbit, scale)
-    shares = np.linspace(0.0, 1.0, len(found.centre))
+    step = _followed(robot, orbit, scale)
+    shares = np.linspace(0.0, 1.0, len(step.centre))
     growth = np.exp(SHRINKING * shares)[:, None, None]
-    axes = growth * (found.deviations @ first)
-    axes_slope = SHRINKING * axes + growth * (found.deviation_slopes @ first)
+    axes = growth * (step.deviations @ first)
+    axes_slope = SHRINKING * axes + growth * (step.deviation_slopes @ first)
     tube = SpatialTube(
-        _fitted(shares, found.centre, found.centre_slope, CENTRE_DEGREE),
+        _fitted(shares, step.centre, step.centre_slope, CENTRE_DEGREE),
         _fitted(shares, axes, axes_slope, AXES_DEGREE),
     )
     # NumPy's own numbers, as a run's folder gives them back.
@@ -135,10 +132,11 @@ def _fitted(
     place = 2.0 * shares - 1.0
     rows = chebyshev.chebvander(place, degree)
     rising = chebyshev.chebvander(place, degree - 1) @ (2.0 * chebyshev.chebder(np.eye(degree + 1)))
-    weights = np.where((shares == 0.0) | (shares == 1.0), ENDS, 1.0)
-    weights = np.concatenate([weights, SLOPES * weights])[:, None]
-    wanted = np.concatenate([part.reshape(len(shares), -1) for part in (values, slopes)])
+    # Both ends count most, slopes least.
+    weights = np.where((shares == 0.0) | (shares == 1.0), 20.0, 1.0)
+    weights = np.concatenate([weights, 0.05 * weights])[:, None]
+    targets = np.concatenate([part.reshape(len(shares), -1) for part in (values, slopes)])
     left = weights * np.concatenate([rows, rising])
-    found = np.linalg.lstsq(left, weights * wanted, rcond=None)[0]
-    powers = np.stack([chebyshev.cheb2poly(column) for column in found.T], axis=1)
+    coefficients = np.linalg.lstsq(left, weights * targets, rcond=None)[0]
+    powers = np.stack([chebyshev.cheb2poly(column) for column in coefficients.T], axis=1)
     return powers.reshape(degree + 1, *values.shape[1:])

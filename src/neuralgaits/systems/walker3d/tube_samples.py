@@ -36,7 +36,8 @@ def sampled_margins(
 
     Returns: NaN for an output without a value somewhere.
     """
-    draw, found = np.random.default_rng(seed), dict.fromkeys(names, np.inf)
+    draw = np.random.default_rng(seed)
+    least = dict.fromkeys(names, np.inf)
     for region, boxes in TABLE.regions.items():
         here = [name for name, place in names.items() if place == region]
         if not here:
@@ -49,8 +50,8 @@ def sampled_margins(
                     values = evaluate(own, {"u": points[first : first + BATCH]}, POINT)
                 for name in here:
                     # A NaN stays one: `min` of NumPy keeps it.
-                    found[name] = float(np.minimum(found[name], values[name].min()))
-    return found
+                    least[name] = float(np.minimum(least[name], values[name].min()))
+    return least
 
 
 def needs_in_tube(
@@ -76,8 +77,8 @@ def needs_in_tube(
 
     places = {"friction": "tube", "peak_torque_nm": "tube", "yaw_nm": "tube"}
     program = trace(needs, {"u": (4,)}, parameters=gait)
-    found = sampled_margins(program, count, seed, {**places, "missed_m": "touchdown"})
-    return {name: float(np.sqrt(-least)) for name, least in found.items()}
+    squares = sampled_margins(program, count, seed, {**places, "missed_m": "touchdown"})
+    return {name: float(np.sqrt(-square)) for name, square in squares.items()}
 
 
 def _points(
