@@ -80,7 +80,7 @@ REFUTED = PROOF | {
 }
 UNDECIDED = PROOF | {
     "verdict": "undecided",
-    "reason": "the budget of 1 s is spent",
+    "reason": "the budget of 1 s for the search is spent",
     "levels": [LEVEL | {"verdict": "undecided", "reason": "a constant does not fit"}],
 }
 WALKED = {

@@ -295,7 +295,7 @@ def test_smaller_steps_go_on_where_steps_turned_to_nan(amber, tmp_path, capsys):
     assert run.summary["step_size"] in sizes
     assert all(np.isfinite(found["min_margin"]) for found in run.summary["conditions"].values())
     show_training(trained_of(run.path))
-    assert "of the usual size: larger ones met NaN" in capsys.readouterr().out
+    assert "of the usual one: larger steps met NaN" in capsys.readouterr().out
 
 
 def test_nan_is_caught_kept_and_reproduced(amber, tmp_path):

@@ -84,7 +84,7 @@ class CertifyOptions(CertifySettings):
 
 @dataclass(frozen=True, kw_only=True)
 class CheckProofOptions(CheckProofSettings):
-    """Check a proof file again, with ball arithmetic only."""
+    """Check a proof file again: bound every box anew, without the search."""
 
     output: Output = OutputOptions()
 

@@ -72,7 +72,7 @@ def brief_walks(result: SimulationSummary) -> None:
         if error.mean is not None
     ]
     if result.push and (fallen := result.fell_after_push):
-        reasons.append(f"{len(fallen)} once their push of {number(result.push)} N s was due")
+        reasons.append(f"{len(fallen)} after the push of {number(result.push)} N s")
     facts: list[tuple[str, Any]] = [("fell", ", ".join(reasons))] if reasons else []
     facts.append(("figures", ", ".join([*numbers, _MORE])))
     if share := result.saturated_fraction:
@@ -145,9 +145,10 @@ def brief_proof(result: CertificateRecord) -> None:
         else:
             subject = "the model with every joint exactly where the gait wants it"
         facts.append(("about", subject))
-    facts.append(("boxes", f"{result.boxes} in {result.wall_s:.0f} s; {_MORE}"))
-    next_command = command("report", named(result.run)) if result.proved_level else None
-    facts += [("proof", result.proof), *([("next", next_command)] if next_command else [])]
+    facts.append(("boxes", f"{result.boxes} bounded, {result.wall_s:.0f} s in all; {_MORE}"))
+    facts += [("proof", result.proof)] if result.proof else []
+    if result.proved_level:
+        facts.append(("next", command("report", named(result.run))))
     show_facts(facts)
 
 
@@ -164,10 +165,11 @@ def brief_check(result: ProofCheck) -> None:
     """Print the verdict on a proof file, what it is about, and that it rests on assumptions."""
     reason = f": {result.reason}" if result.reason else ""
     show_sentence(verdict(result.verdict), reason)
-    levels = ", ".join(f"{one.level} {one.verdict}" for one in result.levels)
+    levels = (f"level {one.level} {one.verdict}" for one in result.levels)
+    above = "".join(f", {level}" for level in levels)
     facts = [
         ("about", f"{result.robot}, spec {result.spec}, weights {result.weights_sha256[:12]}..."),
-        ("claims", f"{len(result.statements)} statements; levels above 1: {levels or 'none'}"),
+        ("claims", f"{len(result.statements)} bounds{above}"),
         *([("open", _list(result.unclaimed))] if result.unclaimed else []),
         ("boxes", f"{result.boxes} bounded in {result.wall_s:.0f} s, {_arithmetic(result)}"),
         ("assumes", f"{len(result.assumptions)} things; -v prints them and every statement"),

@@ -33,11 +33,17 @@ def show_robot(result: RobotFacts) -> None:
         ("actuated joint", "your joint", "your motor"),
         [(motor.joint, motor.file_joint, motor.file_motor) for motor in result.actuators],
     )
-    columns = ("torque_limit_nm", "lower_rad", "upper_rad", "armature_kg_m2", "damping_nms_rad")
+    columns = {
+        "torque N m": "torque_limit_nm",
+        "from rad": "lower_rad",
+        "to rad": "upper_rad",
+        "armature kg m²": "armature_kg_m2",
+        "damping N m s/rad": "damping_nms_rad",
+    }
     show_table(
-        ("actuated joint", "torque N m", "from rad", "to rad", "armature kg m²", "damping N m s"),
+        ("actuated joint", *columns),
         [
-            (motor.joint, *(number(getattr(motor, column)) for column in columns))
+            (motor.joint, *(number(getattr(motor, column)) for column in columns.values()))
             for motor in result.actuators
         ],
     )

@@ -55,7 +55,8 @@ def show_training(result: TrainingSummary) -> None:
         )
         facts.append(("speed", f"asked {requested.low:g} to {requested.high:g} m/s, {orbits}"))
     if result.step_size < 1.0:
-        facts.append(("steps", f"{result.step_size:.2g} of the usual size: larger ones met NaN"))
+        rate = f"{result.step_size:.2g} of the usual one: larger steps met NaN"
+        facts.append(("learning rate", rate))
     facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
     facts.append(("run", result.run))
     if not result.broken:
@@ -68,7 +69,7 @@ def _to_mend(result: TrainingSummary, worst: str) -> list[tuple[str, str]]:
     # Imported here: few commands need it.
     from neuralgaits.report.page import repeat_commands
 
-    page = "the page 'It did not train: what now'"
+    page = "docs/did_not_train.md"
     last = "or loosen", f'without("{worst}") in a spec of your own, see {page}'
     commands: list[tuple[str, str | None]] = []
     try:

@@ -55,8 +55,8 @@ def refuse_speed(robot: "PlanarBiped", speed: float) -> None:
     most = math.sqrt(most_froude * float(robot.gravity) * robot.leg_length)
     if speed > most:
         raise SpecError(
-            f"expected a speed of at most {most:.3g} m/s for legs of {robot.leg_length:.2f} m, "
-            f"found {speed:g}: their feet leave the floor above {0.5 * most:.2g}, so ask for less"
+            f"expected a speed at which legs of {robot.leg_length:.2f} m keep to the floor, up to "
+            f"{0.5 * most:.2g} m/s, found {speed:g}: ask for less"
         )
 
 

@@ -43,7 +43,8 @@ def destination(path: Path, remedy: str = _EITHER) -> Path:
     for _ in range(40):
         folder = Path(os.path.realpath(place.parent))
         if folder.is_relative_to(streams):
-            raise InputError(f"expected a file to write, found an open stream at {path}: {remedy}")
+            kind = "an open stream" if folder.name == "fd" else "a folder of the system's own"
+            raise InputError(f"expected a file to write, found {kind} at {path}: {remedy}")
         place = folder / place.name
         if not place.is_symlink():
             break

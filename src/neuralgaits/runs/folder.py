@@ -12,6 +12,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar
 
+from neuralgaits._names import meant
 from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import refuse_unwritable, write_bytes, write_text
@@ -101,8 +102,10 @@ class RunFolder:
         path = Path(path)
         if not path.is_dir():
             kind = "a file" if path.exists() else "nothing"
+            hint = meant(path, ["latest"])
             raise RunError(
-                f"expected a run folder at {path}, found {kind}: give the path of a run or `latest`"
+                f"expected a run folder at {path}, found {kind}: "
+                f"{hint or 'give the path of a run or `latest`'}"
             )
         if not (path / CONFIG).is_file():
             raise RunError(

@@ -71,7 +71,8 @@ class CertifySettings(Settings):
     """At level 5, largest error |S e| of a torque when it is set [rad/s^2], as of a measured state
     or of rounding: the proved time between ticks gets shorter."""
     budget: Seconds = None
-    """Stop after this time [s]; the result so far is kept."""
+    """Stop the search after this time [s]; tracing and compiling before it take some seconds more.
+    The result so far is kept."""
     within: _Ranges = None
     """For a gait that takes commands, prove these ranges only, as in speed=0.70:0.72 or
     slope=-1:1 [degrees]; the run as a whole stays undecided."""

@@ -36,10 +36,11 @@ class SimulateSettings(Settings):
     plant: Plant = None
     """Robot to simulate; the one trained for if not given."""
     controller: Law = "pd"
-    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
-    with a control Lyapunov function within limits of torque and friction, or the exported
-    controller as a process of its own. With the supervisor: c, and --link address=HOST:PORT of
-    the firmware in examples/firmware."""
+    """pd: joint PD with the model's torques; fblin: input-output linearisation; paper: the PD of
+    the paper (soft, z2 = 0); clf-qp: a quadratic program with a control Lyapunov function within
+    limits of torque and friction; scheduled-pd: PD whose gains and torques are tables of the
+    phase; c: the exported controller as a process of its own. With the supervisor: c, and --link
+    address=HOST:PORT of the firmware in examples/firmware."""
     bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
     """Double pole w of the output errors under fblin, scheduled-pd or clf-qp: 30, 40 and 30 if not
     given. Level 5 is proved for one w, that of certify --bandwidth."""

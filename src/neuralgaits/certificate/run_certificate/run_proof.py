@@ -135,7 +135,7 @@ def prove_run(
     searched, interrupted = _search(run, scope, sets, problems, effort, deadline)
     ended = "interrupted" if interrupted else None
     if ended is None and not time.monotonic() < deadline:
-        ended = f"the budget of {budget} s is spent"
+        ended = f"the budget of {budget:g} s for the search is spent"
     _save_boxes(run, searched, ended)
     try:
         proof = _conclude(run, scope, sets, program, searched, ended)

@@ -15,6 +15,7 @@ import jax
 import mujoco
 import numpy as np
 
+from neuralgaits._families import FAMILIES
 from neuralgaits._inputs import refuse_no_path
 from neuralgaits._names import meant
 from neuralgaits._printable import printable
@@ -168,11 +169,16 @@ def robot_text(name_or_path: str | Path, dropped: list[str] | None = None) -> tu
     path = Path(name_or_path)
     looks_like_name = isinstance(name_or_path, str) and path.name == name and not path.suffix
     if looks_like_name and not path.exists():
-        names = ", ".join(registry.built_in())
-        hint = meant(name, registry.built_in())
+        if name in FAMILIES:
+            raise RobotError(
+                f"expected a robot that walks in the plane, found {name}: a system of another "
+                "kind, which train and other verbs take by this name"
+            )
+        names = [*registry.built_in(), *FAMILIES]
+        hint = meant(name, names)
         hint = f"{hint} " if hint else ""
         raise RobotError(
-            f"unknown robot {name}: {hint}use one of {names}, or a path to an MJCF file"
+            f"unknown robot {name}: {hint}use one of {', '.join(names)}, or a path to an MJCF file"
         )
     return standalone_text(path, dropped), printable(path.stem)
 
