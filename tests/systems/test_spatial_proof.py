@@ -17,6 +17,7 @@ from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.run_certificate.run_comparison import compare_with_run
 from neuralgaits.certificate.search.root_turns import explore
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF
 from neuralgaits.systems.family_certificate import condition_problems
 from neuralgaits.systems.family_run import open_family_run
@@ -33,7 +34,7 @@ from neuralgaits.systems.walker3d.spatial_levels import (
 from neuralgaits.systems.walker3d.spatial_step import step_from
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_tube import SpatialTube, in_ball
-from neuralgaits.systems.walker3d.tube_samples import sampled_margins
+from neuralgaits.systems.walker3d.tube_samples import sampled_margins, searched_margins
 
 QUICK = ("chart", "clearance", "touchdown", "approach")
 """Conditions of few boxes."""
@@ -172,6 +173,21 @@ def test_closer_and_inward_are_about_what_neighbours_of_a_step_do(run, program, 
     np.testing.assert_allclose(margins["inward"].item(), -here @ speed, atol=5e-3)
 
 
+def test_a_search_finds_corners_that_draws_miss():
+    """The yaw's condition is broken at one corner of the chart by 1e-3, near it by less."""
+    corner = jnp.array([1.0, 0.0, 1.0, 0.0])
+
+    def conditions(u):
+        near = jnp.sum((u - corner) ** 2)
+        return {name: near - (1e-3 if name == "yaw" else -1.0) for name in TABLE.conditions}
+
+    program = trace(conditions, {"u": (4,)})
+    searched = searched_margins(program, 64, 0)
+    assert searched["yaw"] < 0.0
+    assert all(value >= 0.99 for name, value in searched.items() if name != "yaw")
+    assert sampled_margins(program, 64, 0)["yaw"] > 0.0
+
+
 @pytest.mark.slow
 def test_core_of_level_2_is_proved_and_a_wider_tube_refuted(run, program):
     names = ("inward", "forward", "inlet")
@@ -184,6 +200,8 @@ def test_core_of_level_2_is_proved_and_a_wider_tube_refuted(run, program):
     spoilt = trace_conditions(replace(run, controller=wide))
     found = sampled_margins(spoilt, 500, 0)
     assert found["approach"] < 0.0 and found["closer"] < 0.0
+    searched = searched_margins(spoilt, 500, 0)
+    assert all(searched[name] <= found[name] for name in ("approach", "closer"))
     assert min(run.summary.margins.values()) > 0.0
 
 

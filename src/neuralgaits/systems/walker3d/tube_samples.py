@@ -45,13 +45,52 @@ def sampled_margins(
         own = prune(program, here)
         for low, high in boxes:
             points = _points(draw, np.array(low), np.array(high), -(-count // len(boxes)))
-            for first in range(0, len(points), BATCH):
-                with np.errstate(all="ignore"):
-                    values = evaluate(own, {"u": points[first : first + BATCH]}, POINT)
-                for name in here:
-                    # A NaN stays one: `min` of NumPy keeps it.
-                    least[name] = float(np.minimum(least[name], values[name].min()))
+            values = _values(own, points)
+            for name in here:
+                # A NaN stays one: `min` of NumPy keeps it.
+                least[name] = float(np.minimum(least[name], values[name].min()))
     return least
+
+
+def searched_margins(program: Program, count: int, seed: int) -> dict[str, float]:
+    """Return the smallest value of each condition that a search from random points finds.
+
+    The lowest points of a draw are moved at random, ever less, and the lowest of these are kept:
+    corners of a region have lower values than draws of many more points show.
+
+    Args:
+        program: conditions at a point of the chart.
+        count: points of each box that are drawn.
+        seed: of the draw.
+
+    Returns: NaN for a condition without a value somewhere.
+    """
+    draw = np.random.default_rng(seed)
+    least = {}
+    for name, region in TABLE.conditions.items():
+        own = prune(program, [name])
+        least[name] = np.inf
+        for ends in TABLE.regions[region]:
+            low, high = map(np.array, ends)
+            points = _points(draw, low, high, count)
+            for width in (0.1, 0.03, 0.01, 0.0):
+                values = _values(own, points)[name]
+                # A NaN stays one.
+                least[name] = float(np.minimum(least[name], values.min()))
+                lowest = points[np.argsort(values)[:16]]
+                steps = width * (high - low) * draw.standard_normal((32, *lowest.shape))
+                points = np.clip(lowest + steps, low, high).reshape(-1, len(low))
+    return least
+
+
+def _values(program: Program, points: Float[np.ndarray, "N n"]) -> dict[str, np.ndarray]:
+    """Return the smallest element of each output at some points, by name. [N]."""
+    parts = []
+    for first in range(0, len(points), BATCH):
+        with np.errstate(all="ignore"):
+            parts.append(evaluate(program, {"u": points[first : first + BATCH]}, POINT))
+    rows = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    return {name: row.reshape(len(points), -1).min(axis=1) for name, row in rows.items()}
 
 
 def needs_in_tube(
