@@ -275,11 +275,11 @@ def test_what_is_kept_is_what_the_largest_errors_keep():
     assert figures["r_end"] >= full.gain * figures["kept"]
 
 
-def test_a_set_without_a_floor_stands_no_push():
-    assert "floor" in str(_verdict(SHAPE, _shape(SHAPE, push=1e-9)).reason)
+def test_a_set_without_a_least_radius_stands_no_push():
+    assert "least radius" in str(_verdict(SHAPE, _shape(SHAPE, push=1e-9)).reason)
 
 
-def test_a_floor_counts_in_every_inequality_of_level_four():
+def test_a_least_radius_counts_in_every_inequality_of_level_four():
     full = _full()
     assert all(step.holds for step in inequalities(full))
     bounds = {(p.output, p.low, p.high): 0.1 for p in of_level_four(full)}
@@ -287,7 +287,7 @@ def test_a_floor_counts_in_every_inequality_of_level_four():
     low = replace(full, guard_radius=SHAPE.guard_radius)
     reasons = [step.claim for step in inequalities(low) if not step.holds]
     assert reasons == ["the bound at the guard < guard_radius"]
-    for floor, claim in ((-1e-5, "0 < floor"), (0.1, "floor < radius")):
+    for floor, claim in ((-1e-5, "0 < least radius"), (0.1, "least radius < radius")):
         broken = [s.claim for s in inequalities(replace(full, least_radius=floor)) if not s.holds]
         assert claim in broken
     for weights in ((1.0, 2.0), (1.0, 0.5, 0.0)):
