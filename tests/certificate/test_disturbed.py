@@ -49,7 +49,7 @@ PUSH = 0.999 * GAMMA * FLOOR / (2.0 * B)
 
 
 def _full(**changes):
-    """The set of the other tests with a floor: its impacts still fit."""
+    """The set of the other tests with a least radius: its impacts still fit."""
     guard = SHAPE.guard_radius + FLOOR
     return replace(SHAPE, least_radius=FLOOR, guard_radius=guard, start_strip=0.004, **changes)
 
@@ -96,7 +96,7 @@ def test_constants_that_fit_are_a_proof_and_planted_falsity_is_none():
     assert _verdict(full, shape).verdict == "proved"
     lost, weight = shape.barriers[0].lost, shape.barriers[0].weight
     forged = {
-        "2 b push < (gamma - 2 b slope) floor": _shape(full, push=PUSH * 1.01),
+        "2 b push < (gamma - 2 b slope) least radius": _shape(full, push=PUSH * 1.01),
         "push <= peak": replace(shape, peak=(0.99 * PUSH, 0.0)),
         "slope of push <= slope of peak": replace(shape, push=(0.9 * PUSH, 1.0)),
         "0 <= its slope": replace(shape, push=(PUSH, -1.0)),
