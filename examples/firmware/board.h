@@ -10,7 +10,10 @@ int board_enabled(void);
 /* Limits and gains of a start: those of `config` may be left as they are. */
 void board_configure(ng_supervisor_config *config);
 
-/* Wait for the next tick of NG_PERIOD. Returns 0 if it has been missed. */
+/*
+ * Wait for the next tick of NG_PERIOD. Returns 0 if it has been missed. With ESTIMATE 0 it may end
+ * the wait early, when the interrupt of a foot switch has set a flag: a tick at the touchdown.
+ */
 int board_wait_for_tick(void);
 
 /*

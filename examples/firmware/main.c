@@ -55,7 +55,8 @@ static void run(void)
     ng_adapt_start(&adapt, requested);
 #endif
     while (board_enabled()) {
-        /* A late tick is one long gap between readings: the controller judges it. */
+        /* A late tick is one long gap between readings: the controller judges it. All ticks run
+         * here: an interrupt sets a flag that ends this wait, and calls nothing of the gait. */
         (void)board_wait_for_tick();
         board_read(&encoders);
 #if NG_COMMANDS

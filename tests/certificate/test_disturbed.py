@@ -49,7 +49,7 @@ PUSH = 0.999 * GAMMA * FLOOR / (2.0 * B)
 
 
 def _full(**changes):
-    """The set of the other tests with a floor: its impacts still fit."""
+    """The set of the other tests with a least radius: its impacts still fit."""
     guard = SHAPE.guard_radius + FLOOR
     return replace(SHAPE, least_radius=FLOOR, guard_radius=guard, start_strip=0.004, **changes)
 
@@ -96,7 +96,7 @@ def test_constants_that_fit_are_a_proof_and_planted_falsity_is_none():
     assert _verdict(full, shape).verdict == "proved"
     lost, weight = shape.barriers[0].lost, shape.barriers[0].weight
     forged = {
-        "2 b push < (gamma - 2 b slope) floor": _shape(full, push=PUSH * 1.01),
+        "2 b push < (gamma - 2 b slope) least radius": _shape(full, push=PUSH * 1.01),
         "push <= peak": replace(shape, peak=(0.99 * PUSH, 0.0)),
         "slope of push <= slope of peak": replace(shape, push=(0.9 * PUSH, 1.0)),
         "0 <= its slope": replace(shape, push=(PUSH, -1.0)),
@@ -275,11 +275,11 @@ def test_what_is_kept_is_what_the_largest_errors_keep():
     assert figures["r_end"] >= full.gain * figures["kept"]
 
 
-def test_a_set_without_a_floor_stands_no_push():
-    assert "floor" in str(_verdict(SHAPE, _shape(SHAPE, push=1e-9)).reason)
+def test_a_set_without_a_least_radius_stands_no_push():
+    assert "least radius" in str(_verdict(SHAPE, _shape(SHAPE, push=1e-9)).reason)
 
 
-def test_a_floor_counts_in_every_inequality_of_level_four():
+def test_a_least_radius_counts_in_every_inequality_of_level_four():
     full = _full()
     assert all(step.holds for step in inequalities(full))
     bounds = {(p.output, p.low, p.high): 0.1 for p in of_level_four(full)}
@@ -287,7 +287,7 @@ def test_a_floor_counts_in_every_inequality_of_level_four():
     low = replace(full, guard_radius=SHAPE.guard_radius)
     reasons = [step.claim for step in inequalities(low) if not step.holds]
     assert reasons == ["the bound at the guard < guard_radius"]
-    for floor, claim in ((-1e-5, "0 < floor"), (0.1, "floor < radius")):
+    for floor, claim in ((-1e-5, "0 < least radius"), (0.1, "least radius < radius")):
         broken = [s.claim for s in inequalities(replace(full, least_radius=floor)) if not s.holds]
         assert claim in broken
     for weights in ((1.0, 2.0), (1.0, 0.5, 0.0)):

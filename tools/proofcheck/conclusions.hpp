@@ -230,8 +230,8 @@ class Conclusions {
     need("0 < inertia", zero, I(f.inertia));
     need("0 < radius", zero, radius);
     if (f.floor != 0.0) {
-      need("0 < floor", zero, floor);
-      need("floor < radius", floor, radius);
+      need("0 < least radius", zero, floor);
+      need("least radius < radius", floor, radius);
     }
     if (!f.weights.empty()) {
       const size_t joints = joints_of(f);
@@ -309,7 +309,7 @@ class Conclusions {
       throw DoesNotFollow{"push has a falling slope, or is above peak"};
     need("4 shrink (1 + guard_strip) most pace < gamma - 2 b slope of push",
          I(4.0) * I(f.shrink) * I(f.last) * I(f.fastest), left);
-    need("2 b push < (gamma - 2 b slope) floor", I(2.0) * factor * push, left * I(f.floor));
+    need("2 b push < (gamma - 2 b slope) least radius", I(2.0) * factor * push, left * I(f.floor));
     const I always = push + slope * I(f.floor);
     I most = push + slope * I(f.radius);
     if (d.hold != 0.0) held(f, d, gamma);

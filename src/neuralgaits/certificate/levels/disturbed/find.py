@@ -62,7 +62,7 @@ def find_disturbed(
     if full.least_radius <= 0.0:
         return (
             "the set of level 4 shrinks to nothing along the step, so that no disturbance leaves "
-            "outputs inside it: no set with a floor was found for this gait"
+            "outputs inside it: no set with a least radius was found for this gait"
         )
     u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
     seen = _Seen(looks, full, u, free_clock, error)

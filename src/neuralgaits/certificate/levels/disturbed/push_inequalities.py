@@ -40,7 +40,8 @@ def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> lis
             left,
         ),
         Inequality(
-            "the floor is above what pushes keep outputs at: 2 b push < (gamma - 2 b slope) floor",
+            "the least radius is above what pushes keep outputs at: 2 b push < (gamma - 2 b slope) "
+            "least radius",
             2 * factor(full) * push,
             left * arb(full.least_radius),
         ),

@@ -80,8 +80,8 @@ def inequalities(constants: FullOrderConstants) -> list[Inequality]:
         # 0 < f < R0, of level 5's set (docs/level5.md).
         floor = arb(constants.least_radius)
         steps += [
-            Inequality("0 < floor", zero, floor),
-            Inequality("floor < radius", floor, radius),
+            Inequality("0 < least radius", zero, floor),
+            Inequality("least radius < radius", floor, radius),
         ]
     for barrier in constants.barriers:
         steps += _barrier_inequalities(constants, barrier, gamma)

@@ -176,7 +176,7 @@ def in_words(constants: FullOrderConstants) -> tuple[str, ...]:
 def _bound_in_words(constants: FullOrderConstants | None = None) -> str:
     """Describe the bound on sqrt(V) along the phase."""
     if constants is None:
-        return "floor + (radius - floor) exp(-shrink phase^2)"
+        return "least radius + (radius - least radius) exp(-shrink phase^2)"
     radius, shrink, floor = constants.radius, constants.shrink, constants.least_radius
     if floor == 0.0:
         return f"{radius!r} exp(-{shrink!r} phase^2)"
