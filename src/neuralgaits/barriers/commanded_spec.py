@@ -48,8 +48,8 @@ class CommandTraining(NamedTuple):
     """Requirements of one command on the training.
 
     Attributes:
-        weights: of conditions that give way first; for several commands, the last one's.
-        effort: of the recipe; for several commands, the least.
+        weights: weights of conditions that give way first; for several commands, the last one's.
+        effort: effort of the recipe; for several commands, the least.
         steps: gradient steps; for several commands, the most.
     """
 
@@ -94,7 +94,7 @@ def commands_of(**ranges: Interval | None) -> Commands:
     Speed and lean, in one gait, change half as fast: a tube has to follow both at once.
 
     Args:
-        ranges: by name; those that are None are left out.
+        ranges: ranges by name; those that are None are left out.
     """
     given_ranges = {name: ends for name, ends in ranges.items() if ends is not None}
     share = 0.5 if {"speed", LEAN} <= given_ranges.keys() else 1.0
@@ -132,7 +132,7 @@ def commanded(
     Args:
         robot: with knees.
         commands: at least one.
-        z2_dependence: of `CommandedPolicy`.
+        z2_dependence: as in `CommandedPolicy`.
         speed: mean speed to aim at where none is commanded (m/s); None for any.
         lean_error: how far the robot's lean may be from the one that it is told (m).
 

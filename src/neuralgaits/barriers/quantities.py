@@ -138,7 +138,7 @@ class TorqueReserve:
 
     Attributes:
         side: "lower" for the most negative torque, "upper" for the largest.
-        share: of the robot's limits that the zero dynamics may use.
+        share: share of the robot's limits that the zero dynamics may use.
     """
 
     side: Literal["lower", "upper"]

@@ -31,7 +31,7 @@ def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
     Args:
         robot: in the middle of the box; with knees.
         box: half widths by kind of parameter, see `robots.parameter_box`.
-        commands: that the gait receives at each touchdown, on a floor as modelled.
+        commands: commands that the gait receives at each touchdown, on a floor as modelled.
 
     Raises: SpecError if there are commands and the floor's height is unknown.
     """

@@ -109,7 +109,7 @@ class AbstractLaw(eqx.Module):
         """Return the law with what it keeps of a gait, if it keeps anything.
 
         Args:
-            joints: those of the robot that torques are for.
+            joints: joints of the robot that torques are for.
             gait: policy and tube.
 
         Raises: SpecError for a gait that the law cannot have.

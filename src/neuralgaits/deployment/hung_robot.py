@@ -50,9 +50,9 @@ def hung_log(
     """Return the log of a robot in a stand: each joint in turn, then the stand tilts forward.
 
     Args:
-        layout: of the robot file.
+        layout: layout of the robot file.
         hardware: what its motors and sensors really are.
-        seed: of differences from the robot file, and of noise.
+        seed: seed of differences from the robot file, and of noise.
         settings: the defaults if None.
     """
     settings = settings or HungRobotSettings()

@@ -37,9 +37,9 @@ class Processes(WorkerPool):
     """Processes of this machine.
 
     Args:
-        workers: of them.
-        memory_bytes: that each may have; an equal share of the machine's if None. A task that
-            needs more fails with a line that says so.
+        workers: number of workers.
+        memory_bytes: memory that each may have; an equal share of the machine's if None. A task
+            that needs more fails with a line that says so.
 
     Raises: InputError for no workers.
     """

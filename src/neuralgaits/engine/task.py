@@ -42,7 +42,7 @@ class TaskResult(NamedTuple):
     """Outcome of a job.
 
     Attributes:
-        name: of the job.
+        name: name of the job.
         files: returned by the task; empty if it failed.
         failure: None if it did not fail.
         tries: number of workers that began it.

@@ -42,7 +42,7 @@ class Tensor:
     Attributes:
         name: in the graph; for a constant, the preferred one.
         size: number of elements.
-        array: of a constant, which joins the graph where it is read. [size]
+        array: numbers of a constant, which joins the graph where it is read. [size]
     """
 
     name: str
@@ -57,7 +57,7 @@ class OnnxAlgebra(Algebra[Tensor]):
     Attributes:
         real: float64 or float32.
         reserved: names that no constant may have.
-        nodes: of the graph so far.
+        nodes: nodes of the graph so far.
         constants: initialisers by name.
     """
 
@@ -185,8 +185,8 @@ def graph(
     """Write a Program as a graph.
 
     Args:
-        program: to write; its inputs and outputs keep their names and shapes.
-        name: of the graph.
+        program: Program to write; its inputs and outputs keep their names and shapes.
+        name: name of the graph.
         real: float64 or float32, of every number in it.
         about: descriptions of inputs and outputs, with units, by name.
 

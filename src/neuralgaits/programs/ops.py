@@ -75,8 +75,8 @@ def rule(rules: Mapping[str, R], kind: str, values: str) -> R:
     """Return the rule of an algebra for an elementwise operation.
 
     Args:
-        rules: of the algebra, by kind.
-        kind: of the operation.
+        rules: rules of the algebra, by kind.
+        kind: kind of the operation.
         values: name of the algebra's values, for the message.
 
     Raises: SpecError if it has none.

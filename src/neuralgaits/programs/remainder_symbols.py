@@ -70,11 +70,11 @@ def values_with_symbols(
     """Choose the values of a Program whose remainders get symbols.
 
     Args:
-        program: of u, over which boxes are given, its first input; a second one is in the unit
-            ball.
+        program: Program of u, over which boxes are given, its first input; a second one is in the
+            unit ball.
         low: lower corner of the region in which boxes are. [n]
         high: upper corner. [n]
-        remainders: those of the algebra that is to have symbols.
+        remainders: remainders in the algebra that is to have symbols.
 
     Returns: their numbers; none where none helps, or where nothing has a bound.
     """

@@ -42,10 +42,10 @@ class JointWindows:
     """Equations of one joint of both legs: N windows.
 
     Attributes:
-        names: of the joint in the robot file, one for each leg.
-        features: of rotor inertia (rad/s^2), dry friction (sign), damping (rad/s), and the delay
-            of the torques (N m/s). [N, 4]
-        torque: that rotor and friction account for [N m]. [N]
+        names: names of the joint in the robot file, one for each leg.
+        features: factors of rotor inertia (rad/s^2), dry friction (sign), damping (rad/s), and the
+            delay of the torques (N m/s). [N, 4]
+        torque: torque that rotor and friction account for [N m]. [N]
         stride: index of each window's stride. [N]
         phase: number that is the same for windows at the same place of a stride. [N]
     """
@@ -74,7 +74,7 @@ def joint_windows(
     """Return the equations of every joint, lowest first, left and right joint together.
 
     Args:
-        layout: of a robot file on point feet.
+        layout: layout of a robot file on point feet.
         links: model of the links.
         strides: pieces of walks with the logs that they are from.
     """

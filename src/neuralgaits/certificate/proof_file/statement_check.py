@@ -77,8 +77,8 @@ class StatementCheck:
         """Return a check that evaluates only the operations of the statement's conditions.
 
         Args:
-            program: of the proof file.
-            statement: to be checked.
+            program: Program of the proof file.
+            statement: statement that is checked.
             leaves: how many leaves it has.
             arithmetic: "balls" for boxes that are all bounded in balls.
         """

@@ -68,7 +68,7 @@ class RunProof:
 
     Attributes:
         verdicts: on the conditions of the spec (level 1).
-        conclusions: of the requested levels above 1.
+        conclusions: conclusions of the requested levels above 1.
         reason: why something is not decided; None if all is.
         reached: highest level that is proved of the scope, which may be part of the commands.
         sets: sets of the levels above 1.

@@ -24,10 +24,10 @@ class PendingBoxes:
     """Facts about boxes that may yet be halved, which no others need.
 
     Attributes:
-        number: of each box in the tree, ascending. [K]
+        number: number of each box in the tree, ascending. [K]
         low, high: corners. [K, n]
         cuts: how often each axis was halved to make the box. [K, n]
-        costs: of each axis: how far insufficient bounds are below the value at the centre if
+        costs: cost of each axis: how far insufficient bounds are below the value at the centre if
             only this axis keeps its width; inf if unknown or unbounded, -inf for an axis without
             width. [K, n]
     """

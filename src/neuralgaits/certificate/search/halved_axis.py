@@ -98,7 +98,7 @@ def _after_halving(
         low: lower corners. [T, n]
         high: upper corners. [T, n]
         short: conditions whose bounds are insufficient. [T, C]
-        axes: those that are tried. [k]
+        axes: axes that are tried. [k]
         deadline: on the clock of `time.monotonic` [s].
         bound_all: bounds batches of boxes.
 

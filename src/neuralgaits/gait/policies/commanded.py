@@ -151,8 +151,8 @@ class CommandedPolicy(NetworkPolicy):
 
         Args:
             robot: whose foot it is.
-            command: of the step.
-            bounded: of `at`.
+            command: command of the step.
+            bounded: as in `at`.
         """
         basis = powers(self.scaled(command))
         z1 = basis @ self.guard_z1

@@ -36,7 +36,7 @@ class SignCheck:
 
         Args:
             log: log as the file of columns has it.
-            columns: that file.
+            columns: what the columns of the log are.
 
         Raises: InputError with the columns and their signs.
         """

@@ -142,7 +142,7 @@ def rounded(
     Args:
         poly: coefficients of the result.
         radius: a new array, which is changed.
-        layout: of the coefficients.
+        layout: layout of the coefficients.
         more: sum of the magnitudes that were added up, where they are more than the result's.
     """
     model = Taylor(poly, radius, layout)

@@ -35,7 +35,7 @@ class CFunction:
     """C text of one Program.
 
     Attributes:
-        prototype: of the function, without the semicolon.
+        prototype: prototype of the function, without the semicolon.
         body: the function.
         work: numbers in its arrays on the stack.
     """

@@ -82,10 +82,10 @@ def emit(program: Program, function: str, about: str, tables: Tables) -> CFuncti
     """Write a Program as a C function.
 
     Args:
-        program: to write; its inputs and outputs become the arguments, flat.
+        program: Program to write; its inputs and outputs become the arguments, flat.
         function: its name.
         about: description, for the comment above it.
-        tables: of the file that will hold it; its constants are added.
+        tables: tables of the file that will hold it; its constants are added.
 
     Raises: SpecError naming the operation that has no form in C.
     """

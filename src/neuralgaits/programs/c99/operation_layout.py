@@ -40,7 +40,7 @@ class OperationLayout:
 
     Attributes:
         groups: in order.
-        stored: by number of a value that is kept in an array, the number of that array.
+        stored: number of the array of each value that is kept in one, by the value's number.
         slots: sizes of the arrays.
         blocks: numbers of streamed values that their products read.
     """

@@ -34,8 +34,9 @@ class Bounder:
         """Create a bounder for outputs of a Program; None without compiled code.
 
         Args:
-            program: of u, over which boxes are given, and perhaps of an xi in the unit ball.
-            names: of the outputs.
+            program: Program of u, over which boxes are given, and perhaps of an xi in the unit
+                ball.
+            names: names of the outputs.
             folded: its constant values, as `fold` gives them.
             symbols: first symbols of the values whose remainders have symbols; `most_symbols`
                 at most.

@@ -26,7 +26,7 @@ def verdicts(
     Args:
         spec: spec of the run.
         searched: all roots, of conditions and of premises, with the state of their searches.
-        statements: those that the proof file has about these roots.
+        statements: the proof file's statements about these roots.
     """
     by_name = {}
     for condition in spec.conditions:

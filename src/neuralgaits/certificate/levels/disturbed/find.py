@@ -56,7 +56,7 @@ def find_disturbed(
         looks: functions that evaluate the gait, in the set's norm.
         full: the set.
         free_clock: whether ticks may miss touchdowns.
-        gains: those of scheduled PD, if that is the law that the functions are of.
+        gains: gains of scheduled PD, if that is the law that the functions are of.
         error: bound on |S e| of torques when they are set [rad/s^2].
     """
     if full.least_radius <= 0.0:

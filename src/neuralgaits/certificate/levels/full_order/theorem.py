@@ -69,7 +69,7 @@ class FullOrderConstants:
         bandwidth: w, the double pole of the outputs [rad/s].
         radius: bound on sqrt(V) at phase 0 [rad].
         shrink: at other phases the bound is floor + (radius - floor) exp(-shrink phase^2) [1].
-        guard_radius: that bound where the guard's strip begins, rounded up [rad].
+        guard_radius: the same bound where the guard's strip begins, rounded up [rad].
         start_strip, guard_strip: phases by which the tube is longer at either end.
         crossing: at eta = 0 the foot meets the ground within this many phases of phase 1.
         risen: until this phase the swing foot rises; from it to the guard it is up.

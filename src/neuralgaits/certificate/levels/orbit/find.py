@@ -80,7 +80,7 @@ def find_orbit(flow: ChartFlow, walking: WalkingSetConstants) -> OrbitProposal |
     """Return a thin tube and bounds, or a sentence with the reason why there are none.
 
     Args:
-        flow: of the gait.
+        flow: flow of the gait.
         walking: parameters of the walking set.
     """
     degrees = (18, 24, 30, 36)  # Degrees of the orbit's series that are tried in turn.
