@@ -88,7 +88,7 @@ def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
 
     Args:
         motion: functions that make up the flow.
-        start: all with the same z1. [N, 2]
+        start: states with the same z1. [N, 2]
         mesh: mesh of z1.
     """
     y, h = _with_time(start), np.full(len(start), mesh.step)

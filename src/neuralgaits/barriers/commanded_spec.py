@@ -130,8 +130,8 @@ def commanded(
     z1 alone: z2 follows from masses that it only believes in.
 
     Args:
-        robot: with knees.
-        commands: at least one.
+        robot: robot with knees.
+        commands: commands of the family, at least one.
         z2_dependence: as in `CommandedPolicy`.
         speed: mean speed to aim at where none is commanded (m/s); None for any.
         lean_error: how far the robot's lean may be from the one that it is told (m).
@@ -204,7 +204,7 @@ def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
     """Return the default specification of a gait that walks at one mean speed.
 
     Args:
-        robot: with knees.
+        robot: robot with knees.
         speed: mean, over a step (m/s).
 
     Raises: SpecError if no robot with these legs walks so fast.

@@ -78,7 +78,7 @@ class CompiledLaw(NamedTuple):
     """A law as `ng_law` of `export/c/controller.h` computes it."""
 
     words: str
-    """Its gains, for the comment at the top of an export."""
+    """Gains in words, for the comment at the top of an export."""
     stiffness: tuple[float, ...] = ()
     """Position gains by joint [N m/rad]; empty if the law has none. [m]"""
     damping: tuple[float, ...] = ()

@@ -79,12 +79,12 @@ class Pd(AbstractLaw):
 
     @property
     def takes_joints(self) -> bool:
-        """Where the model's torques are added."""
+        """Whether the model's torques are added."""
         return self.feed_forward
 
     @property
     def uses_impact_consistent_rates(self) -> bool:
-        """Where z2 is measured: desired rates of a touchdown are held beyond it."""
+        """Whether z2 is measured: desired rates of a touchdown are held beyond it."""
         return self.measure_z2
 
     def policy_state(self, z: ZeroState) -> ZeroState:

@@ -15,7 +15,7 @@ class JointFacts:
     """A joint of the robot file, in its signs.
 
     Attributes:
-        name: in the robot file.
+        name: name in the robot file.
         places: legs and indices of the joint there; a hip that both legs share has two.
         lower_rad, upper_rad: its range [rad].
         torque_limit_nm: largest torque of its motor, on the joint [N m].

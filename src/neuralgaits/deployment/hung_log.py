@@ -25,8 +25,8 @@ class HungLog:
         pitch: pitch of the inertial unit [rad]. [t]
         channels: index of the contact channel in each column.
         contact: readings of the contact channels. [t, channels]
-        moved: what was moved in each row, as `knee_left`, `+knee_left`, `pitch` or `zero`; empty
-            for nothing. [t]
+        moved: label of the motion in each row, as `knee_left`, `+knee_left`, `pitch` or `zero`;
+            empty for nothing. [t]
     """
 
     time: Float[np.ndarray, " t"]
@@ -83,7 +83,7 @@ def read_hung_log(path: str | Path, names: tuple[str, ...]) -> HungLog:
 
     Args:
         path: CSV file.
-        names: what may be moved: joints, feet, `pitch`, `zero`.
+        names: names of what may be moved: joints, feet, `pitch`, `zero`.
 
     Raises: InputError in a line for a file that is none, or with a row that cannot be read;
         ManyProblems if several columns or labels are wrong.

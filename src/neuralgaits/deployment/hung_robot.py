@@ -16,7 +16,7 @@ from neuralgaits.robots.constants import MjcfLayout
 
 @dataclass(frozen=True)
 class HungRobotSettings:
-    """How the robot differs from its file, and how its joints are moved.
+    """Differences of the robot from its file, and the motion of its joints.
 
     Attributes:
         mass_error: masses and inertias of each body are off by up to this share.
@@ -26,7 +26,7 @@ class HungRobotSettings:
         amplitude_rad: amplitude of the motion of the joint under test [rad].
         directions: whether labels say which way a joint first went.
         zero: whether the log begins with all joints, and the torso, at zero.
-        seconds: for each joint [s].
+        seconds: time for each joint [s].
         rate_hz: rows of the log a second.
     """
 

@@ -27,7 +27,7 @@ class LegSeries:
 
     Attributes:
         q, dq, ddq: joints, lowest first [rad], [rad/s], [rad/s^2]. [t, k]
-        torque: on the joints [N m]. [t, k]
+        torque: torques on the joints [N m]. [t, k]
         pitch: pitch of the root [rad]. [t]
     """
 
@@ -53,7 +53,7 @@ class LegSeries:
         Args:
             time: time of each row [s].
             q: joints [rad].
-            torque: on them [N m].
+            torque: torques on them [N m].
             pitch: pitch of the root [rad].
             driven: 1 where nothing but the drives acts on the leg; other rows are left out.
         """

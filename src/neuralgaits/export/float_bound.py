@@ -229,7 +229,7 @@ def largest_errors(
         program: the Program to bound.
         lows: smallest inputs, by name.
         highs: largest inputs, by name.
-        cuts: how many parts each element of an input is cut into; others stay whole.
+        cuts: number of parts that each element of an input is cut into; others stay whole.
 
     Returns: by output, a bound on the error of each element over the whole box.
     """

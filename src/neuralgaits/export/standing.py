@@ -32,11 +32,11 @@ class StandingPostures(NamedTuple):
     """Postures of a robot that starts and stops, as coordinates q with the front leg in stance."""
 
     path: Float[np.ndarray, "K n"]
-    """From standing to where the first step begins [rad]."""
+    """Postures from standing to where the first step begins [rad]."""
     wide: Float[np.ndarray, "2 n"]
-    """Where a walk ends, with the feet far apart: leaning back, and forward [rad]."""
+    """Postures at the end of a walk, with the feet far apart: leaning back, and forward [rad]."""
     braking: Float[np.ndarray, " n"]
-    """At the touchdown before that, with the rear leg in stance [rad]."""
+    """Posture at the touchdown before that, with the rear leg in stance [rad]."""
 
     @classmethod
     def none_of(cls, n: int) -> "StandingPostures":

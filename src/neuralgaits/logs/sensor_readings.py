@@ -41,7 +41,7 @@ class States(NamedTuple):
     z: Float[np.ndarray, "k 2"]
     """States of the zero dynamics (m, kg m^2/s)."""
     dz: Float[np.ndarray, "k 2"]
-    """Their rates (m/s, N m)."""
+    """Rates of those states (m/s, N m)."""
 
 
 @in_blocks_of(2048)

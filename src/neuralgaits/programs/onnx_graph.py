@@ -40,7 +40,7 @@ class Tensor:
     """One value: the name of a flat tensor in the graph.
 
     Attributes:
-        name: in the graph; for a constant, the preferred one.
+        name: name in the graph; for a constant, the preferred one.
         size: number of elements.
         array: numbers of a constant, which joins the graph where it is read. [size]
     """

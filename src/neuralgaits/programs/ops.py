@@ -23,8 +23,8 @@ class OperationKind:
     """Kind of operation of a Program.
 
     Attributes:
-        name: in a Program.
-        operands: how many it takes, `ANY` for one or more.
+        name: name in a Program.
+        operands: number of operands, `ANY` for one or more.
         formula: the result y, with n its size, in terms of operands a, b, c.
         elementwise: whether result i depends on element i of the operands only.
         commutative: whether operands may be exchanged without changing a bit.

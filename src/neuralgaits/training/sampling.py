@@ -50,7 +50,7 @@ class Sampler(NamedTuple):
         Args:
             regions: name to boxes of the chart.
             counts: name to number of samples.
-            overshoot: how far samples reach beyond the edges of (phase, level), per axis.
+            overshoot: reach of samples beyond the edges of (phase, level), per axis.
             commands: commands of the gait, two axes each.
             corners: see `Recipe`.
             widened: see `Recipe`.

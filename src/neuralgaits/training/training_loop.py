@@ -70,7 +70,7 @@ class GradientSteps:
             state: state to continue from.
             save: writes a checkpoint.
             before: steps of the run that came before those of this trainer.
-            deadline: on the clock of `time.monotonic` [s].
+            deadline: time on the clock of `time.monotonic` [s].
 
         Raises: NonFiniteError where smaller steps do not help either.
         """

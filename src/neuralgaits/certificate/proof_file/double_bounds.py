@@ -65,7 +65,7 @@ class DoubleBounds:
 
         Args:
             program: Program whose outputs the statement is about.
-            statement: what is to be shown.
+            statement: statement to be shown.
             symbols: first symbols of the values whose remainders have symbols.
             balls: the Program's constant values in balls, as `fold` gives them.
         """

@@ -151,7 +151,7 @@ class OtherProcess:
     """A process that bounds every `count`-th piece from `turn` on.
 
     Attributes:
-        found: its results so far, in the order of its pieces.
+        found: results so far, in the order of its pieces.
     """
 
     def __init__(

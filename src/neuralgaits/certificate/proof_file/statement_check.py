@@ -79,7 +79,7 @@ class StatementCheck:
         Args:
             program: Program of the proof file.
             statement: statement that is checked.
-            leaves: how many leaves it has.
+            leaves: number of its leaves.
             arithmetic: "balls" for boxes that are all bounded in balls.
         """
         part = prune(program, statement.conditions)

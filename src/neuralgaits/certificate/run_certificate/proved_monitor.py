@@ -42,7 +42,7 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
 
     Args:
         run: the run.
-        certificate: its certificate; read if None.
+        certificate: certificate of the run; read if None.
 
     Raises: SpecError if the sets cannot be traced.
     """

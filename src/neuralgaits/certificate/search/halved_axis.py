@@ -33,8 +33,8 @@ def axis_to_halve(
         problem: conditions and root.
         tree: boxes so far, with the costs of their axes.
         work: leaves that are to be halved.
-        lacking: how far the bounds on them fall short of their targets; 0 where they do not.
-        deadline: on the clock of `time.monotonic` [s]; after it no halving is tried.
+        lacking: distance of the bounds from their targets; 0 where they reach them.
+        deadline: time on the clock of `time.monotonic` [s]; after it no halving is tried.
         bound_all: bounds batches of boxes.
     """
     axis = tree.best_axis(work)
@@ -99,7 +99,7 @@ def _after_halving(
         high: upper corners. [T, n]
         short: conditions whose bounds are insufficient. [T, C]
         axes: axes that are tried. [k]
-        deadline: on the clock of `time.monotonic` [s].
+        deadline: time on the clock of `time.monotonic` [s].
         bound_all: bounds batches of boxes.
 
     Returns: in scales, -inf without a bound; None if there was no time.

@@ -126,7 +126,7 @@ def read_all(
     """Read several logs. Returns: the logs, and the rows left out of all of them by reason.
 
     Args:
-        paths: at least one.
+        paths: paths of logs, at least one.
         robot: the run's own model.
         columns: file that describes their columns; as for `read`.
         policy: policy that walked; as for `read`.

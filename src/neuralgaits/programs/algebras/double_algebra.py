@@ -39,7 +39,7 @@ class DoubleAlgebra(Algebra[DoubleModel]):
 
         Args:
             axes: number of elements of u.
-            named: how many symbols stand for remainders (`programs/remainder_symbols.py`).
+            named: number of symbols that stand for remainders (`programs/remainder_symbols.py`).
         """
         self.layout = TermLayout(axes, named)
 

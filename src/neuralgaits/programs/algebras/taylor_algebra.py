@@ -42,7 +42,7 @@ class TaylorAlgebra(Algebra[Taylor]):
 
     Attributes:
         degree: 1 or 2; searches use 2 (`certificate/search/problem.py`).
-        symbols: how many symbols stand for remainders (`programs/remainder_symbols.py`).
+        symbols: number of symbols that stand for remainders (`programs/remainder_symbols.py`).
     """
 
     degree: int

@@ -78,7 +78,7 @@ class Taylor:
     Attributes:
         poly: coefficients, in the order of `layout`. [terms, size, batch]
         radius: remainder bounds. [size, batch]
-        layout: what the coefficients belong to.
+        layout: layout of the coefficients.
     """
 
     poly: Float[np.ndarray, "k n B"]

@@ -83,7 +83,7 @@ def emit(program: Program, function: str, about: str, tables: Tables) -> CFuncti
 
     Args:
         program: Program to write; its inputs and outputs become the arguments, flat.
-        function: its name.
+        function: name of the function.
         about: description, for the comment above it.
         tables: tables of the file that will hold it; its constants are added.
 

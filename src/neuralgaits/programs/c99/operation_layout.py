@@ -39,7 +39,7 @@ class OperationLayout:
     """Operations in groups that run one after the other.
 
     Attributes:
-        groups: in order.
+        groups: groups in the order of the code.
         stored: number of the array of each value that is kept in one, by the value's number.
         slots: sizes of the arrays.
         blocks: numbers of streamed values that their products read.

@@ -31,7 +31,7 @@ class Kick(NamedTuple):
     Attributes:
         first: right after the impact [rad/s^2].
         peak: until the tick [rad/s^2].
-        mean: in the mean until the tick [rad/s^2].
+        mean: mean until the tick [rad/s^2].
     """
 
     first: float = 0.0

@@ -49,7 +49,7 @@ class Plan(NamedTuple):
 
     Attributes:
         matrix: S. [m, m]
-        hold: how long torques are held [s]; 0 for no hold.
+        hold: time that torques are held [s]; 0 for no hold.
         radius, floor: those of the set [rad]; the radius is 0 if there is no set.
         slower: share of the decay of V that remains with a hold.
         sigma: weight of V in each barrier.

@@ -125,7 +125,8 @@ def find_contraction(evaluate: Evaluator, walking: WalkingSetConstants) -> Orbit
     """Return bounds on how walks part, or a sentence with the reason why there are none.
 
     Args:
-        evaluate: from points of (phase, level) to quantities, for many commands or robots at each.
+        evaluate: function from points of (phase, level) to quantities, for many commands or robots
+            at each.
         walking: parameters of the walking set.
     """
     phases, levels = np.linspace(*walking.ends, 61), np.linspace(0.0, 1.0, 5)
