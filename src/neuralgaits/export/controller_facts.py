@@ -65,7 +65,8 @@ def names(design: Design) -> dict[str, str | int]:
         "ankles": int(robot.feet is not None),
         "law_count": len(design.controllers),
         **({} if origin.joints_sha256 is None else {"joints_sha256": origin.joints_sha256}),
-        **_standing_counts(design),
+        "has_standing": int(standing_postures(design.robot) is not None),
+        "stand_knots": len(_postures(design).path),
         **(rows if design.commands else {}),
     }
 
@@ -182,8 +183,3 @@ def _postures(design: Design) -> StandingPostures:
 def _leg_gains(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]:
     """Return a gain for each joint of a leg: the smaller of both legs, lowest joint first."""
     return np.min(np.abs(design.by_leg(np.array(gains))), axis=0)
-
-
-def _standing_counts(design: Design) -> dict[str, int]:
-    postures = standing_postures(design.robot)
-    return {"has_standing": int(postures is not None), "stand_knots": len(_postures(design).path)}

@@ -131,7 +131,10 @@ def _streamed(groups: list[Group], outputs: list[Node]) -> list[Group]:
     gone: set[int] = set()
     for number, group in enumerate(groups):
         for i in range(number):
-            if i in gone or group.streamed or not _read_alone(groups[i], {i, number}, readers):
+            if i in gone or group.streamed:
+                continue
+            # Values that a third group reads stay where they are.
+            if any(readers.get(node.number, set()) - {i, number} for node in groups[i].nodes):
                 continue
             if _joins(groups[i], group):
                 group.nodes[:0] = groups[i].nodes
@@ -157,10 +160,6 @@ def _readers(groups: list[Group], outputs: list[Node]) -> dict[int, set[int]]:
         for base, _ in output.bases():
             readers.setdefault(base.number, set()).add(len(groups))
     return readers
-
-
-def _read_alone(group: Group, by: set[int], readers: dict[int, set[int]]) -> bool:
-    return all(readers.get(node.number, set()) <= by for node in group.nodes)
 
 
 def _joins(early: Group, later: Group) -> bool:
