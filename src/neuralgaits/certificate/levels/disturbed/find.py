@@ -27,7 +27,7 @@ from neuralgaits.certificate.levels.full_order.inequalities import (
     inlet,
     obstacle,
 )
-from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
+from neuralgaits.certificate.levels.full_order.norm_plans import GAINS, LONGEST
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
 from neuralgaits.gait.scheduled_gains import ScheduledGains

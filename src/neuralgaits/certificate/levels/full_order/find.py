@@ -11,7 +11,7 @@ import numpy as np
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.level_target import grid
-from neuralgaits.certificate.levels.full_order.norm import Plan
+from neuralgaits.certificate.levels.full_order.norm_plans import Plan
 from neuralgaits.certificate.levels.full_order.samples import (
     SampleEvaluators,
     Samples,

@@ -15,7 +15,8 @@ from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.norm import Plan, find_plan, find_widest
+from neuralgaits.certificate.levels.full_order.norm import find_plan, find_widest
+from neuralgaits.certificate.levels.full_order.norm_plans import Plan
 from neuralgaits.certificate.levels.full_order.samples import (
     GaitSamples,
     SampleEvaluator,
