@@ -92,7 +92,9 @@ def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
         mesh: mesh of z1.
     """
     y, h = _with_time(start), np.full(len(start), mesh.step)
-    nodes, finished, end = [y], np.zeros(len(y), bool), np.full((len(y), 3), np.nan)
+    nodes = [y]
+    finished = np.zeros(len(y), bool)
+    end = np.full((len(y), 3), np.nan)
     while not finished.all() and y[0, 0] < mesh.last:
         ahead = _step(motion, y, h)
         # A node on the ground is the landing, on whichever side of it rounding puts the foot.

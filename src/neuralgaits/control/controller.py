@@ -219,7 +219,9 @@ def step(
     controller: Controller, state: ControllerState, measurement: Measurement
 ) -> tuple[ControllerState, TickResult]:
     """Compute one control tick. Returns: the next state, and the `TickResult`."""
-    robot, law, joints = controller.robot, controller.law, controller.joints
+    robot = controller.robot
+    law = controller.law
+    joints = controller.joints
     q_before, _ = coordinates(robot, measurement, state.stance.leg)
     force, period = measurement.normal_force, controller.period_s
     standing, touchdown = advance_stance(

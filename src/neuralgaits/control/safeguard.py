@@ -138,7 +138,9 @@ def check(
     robot = controller.robot
     weight = robot.mass * robot.gravity
     low, high = joint_ranges(robot)
-    angles, rates, force = measurement.angles, measurement.rates, measurement.normal_force
+    angles = measurement.angles
+    rates = measurement.rates
+    force = measurement.normal_force
     far = (angles < low - config.angle_margin) | (angles > high + config.angle_margin)
     fast = jnp.abs(rates) > config.largest_rate
     strong = jnp.abs(force) > config.force_share * weight

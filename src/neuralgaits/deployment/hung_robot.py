@@ -110,7 +110,9 @@ class _Stand:
         scale = 1.0 + rng.uniform(-settings.mass_error, settings.mass_error, model.nbody)
         model.body_mass[:] *= scale
         model.body_inertia[:] *= scale[:, None]
-        self._settings, self._model, self._data = settings, model, mujoco.MjData(model)
+        self._settings = settings
+        self._model = model
+        self._data = mujoco.MjData(model)
         self._names = list(dict.fromkeys(name for leg in layout.leg_joints for name in leg))
         motors = dict(
             zip(

@@ -189,7 +189,9 @@ def _cases_at(
     leg: Int[np.ndarray, " N"] | None = None,
 ) -> Cases:
     """Return cases at chart points, with all other numbers drawn."""
-    robot, count, m = design.robot, len(chart), design.robot.n - 1
+    robot = design.robot
+    count = len(chart)
+    m = design.robot.n - 1
     k, weight = design.leg_joints, float(robot.mass * robot.gravity)
     limit = np.asarray(design.controller.torque_limit)
     leg = rng.integers(0, 2, count) if leg is None else leg

@@ -73,7 +73,9 @@ def names(design: Design) -> dict[str, str | int]:
 
 def numbers(design: Design) -> list[Number]:
     """Return the numbers that have a unit."""
-    robot, controller, safe = design.robot, design.controller, design.safeguard
+    robot = design.robot
+    controller = design.controller
+    safe = design.safeguard
     stance, layout = controller.stance, design.robot.layout
     weight = float(robot.mass * robot.gravity)
     smallest = SMALLEST_DENOMINATOR * float(robot.mass) * robot.leg_length
@@ -127,7 +129,9 @@ def numbers(design: Design) -> list[Number]:
 
 def arrays(design: Design) -> list[Array]:
     """Return the arrays of real numbers."""
-    robot, controller, layout = design.robot, design.controller, design.robot.layout
+    robot = design.robot
+    controller = design.controller
+    layout = design.robot.layout
     low, high = joint_ranges(robot)
     bounds, estimator = controller.bounds, Estimator()
     pitch_row = np.stack([np.asarray(measurement.pitch_row(robot, leg)) for leg in (0, 1)])

@@ -50,7 +50,11 @@ def problem(
     rows, ends = casadi.SX.sym("rows", m * (degree + 1)), casadi.SX.sym("ends", 2)
     zeta, targets = casadi.SX.sym("zeta", count), casadi.SX.sym("told", 2)
     speed, smoothing = targets[0], targets[1]
-    equal, constraints, slopes, paces, powers = [], [], [], [], []
+    equal = []
+    constraints = []
+    slopes = []
+    paces = []
+    powers = []
     for k, phase in enumerate(mesh.phases):
         quantities = step.along(rows, ends, phase, zeta[k])
         slopes.append(quantities["slope"])

@@ -141,7 +141,9 @@ class _Evaluations:
 
     def greedy(self) -> Iterator[int]:
         """Yield values while there are symbols left for one that helps."""
-        program, numbers, left = self.program, [], most_symbols(self.program)
+        program = self.program
+        numbers = []
+        left = most_symbols(self.program)
         # Off zero the gain of one symbol counts: a large value would leave room for nothing else.
         off_zero = len(program.inputs) > 1
         remainders = self.remainders(numbers)

@@ -58,7 +58,10 @@ class Sampler(NamedTuple):
             strip: see `Recipe`.
             parameters: half widths of the robot's parameters, one axis each.
         """
-        lows, highs, rows, position = [], [], {}, 0
+        lows = []
+        highs = []
+        rows = {}
+        position = 0
         for name, count in counts.items():
             for box, share in zip(regions[name], _shares(regions[name], count), strict=True):
                 low, high = _stretched(box, overshoot, strip)

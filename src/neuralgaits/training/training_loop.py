@@ -74,7 +74,9 @@ class GradientSteps:
 
         Raises: NonFiniteError where smaller steps do not help either.
         """
-        saved, best, count = time.perf_counter(), state, 1
+        saved = time.perf_counter()
+        best = state
+        count = 1
         while not trainer.done(state) and time.monotonic() < deadline:
             start_time, first = time.perf_counter(), int(state.step)
             ahead = min(VALIDATE_EVERY - first % VALIDATE_EVERY, trainer.steps - first)

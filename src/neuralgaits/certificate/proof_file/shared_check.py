@@ -54,7 +54,9 @@ class PieceBounder:
         trees: Sequence[Corners],
         arithmetic: Arithmetic,
     ):
-        self._program, self._statements, self._trees = program, statements, trees
+        self._program = program
+        self._statements = statements
+        self._trees = trees
         self._arithmetic: Arithmetic = arithmetic
         self._checkers: dict[int, StatementCheck] = {}
 
@@ -107,7 +109,10 @@ def bound_all(
     pieces, here = pieces_of(trees), PieceBounder(program, statements, trees, arithmetic)
     total = sum(piece.leaves for piece in pieces)
     count = min(cores(), 8) if total > FEW else 1
-    answer, boxes, in_balls, done = PieceResult("holds", None, 0, 0), 0, 0, 0
+    answer = PieceResult("holds", None, 0, 0)
+    boxes = 0
+    in_balls = 0
+    done = 0
     with contextlib.ExitStack() as stack:
         processes = [
             stack.enter_context(

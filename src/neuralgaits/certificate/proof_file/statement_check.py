@@ -50,7 +50,9 @@ class StatementCheck:
         symbols: Symbols = NO_SYMBOLS,
         arithmetic: Arithmetic = "doubles",
     ):
-        self.program, self.statement, self.symbols = program, statement, symbols
+        self.program = program
+        self.statement = statement
+        self.symbols = symbols
         self.algebra = BallAlgebra(statement.degree)
         self.folded = fold(program, self.algebra)
         self.doubles = None

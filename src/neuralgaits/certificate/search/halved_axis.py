@@ -52,7 +52,9 @@ def axis_to_halve(
     strong = [a for a in tree.axes if a < len(problem.low) - problem.weak_axes]
     if not len(tried) or not strong:
         return axis
-    low, high, short = here.low[tried], here.high[tried], lacking[tried] > 0.0
+    low = here.low[tried]
+    high = here.high[tried]
+    short = lacking[tried] > 0.0
     reached = _after_halving(problem, low, high, short, strong, deadline, bound_all)
     if reached is None:
         return axis

@@ -19,7 +19,9 @@ class Bounder:
     """Bounds on the smallest element of some outputs over boxes of u, and a unit ball of xi."""
 
     def __init__(self, code: ProgramCode, rules: ctypes.CDLL):
-        self._rules, self._outputs, self._threads = rules, len(code.outputs), min(cores(), 16)
+        self._rules = rules
+        self._outputs = len(code.outputs)
+        self._threads = min(cores(), 16)
         _arrays, arguments = code.arguments
         self._handle = rules.ng_bounder(*arguments)
 

@@ -57,7 +57,11 @@ def verdict_on(name: str, roots: Sequence[Searched], margin: float | None) -> Co
         roots: problem and state of every box of its region.
         margin: the bound that the proof file claims, if it is proved everywhere.
     """
-    proved, area, boxes, unknown, counterexample = 0.0, 0.0, 0, 0, None
+    proved = 0.0
+    area = 0.0
+    boxes = 0
+    unknown = 0
+    counterexample = None
     for problem, state in roots:
         column, tree = problem.names.index(name), state.tree
         holds = tree.is_leaf & (tree.lower[:, column] >= 0.0)

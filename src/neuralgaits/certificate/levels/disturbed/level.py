@@ -18,7 +18,9 @@ from neuralgaits.records.certified import Conclusion
 class DisturbedLevel(Level):
     """Theorem of the full order under a disturbance of the torques."""
 
-    number, part, parameters = 5, "disturbed", DisturbedConstants
+    number = 5
+    part = "disturbed"
+    parameters = DisturbedConstants
     rests_on = (4,)
     full_order = True
 

@@ -23,7 +23,9 @@ def refusal_of_full_order(parameters: Parameters, chart: Chart) -> str | None:
 class FullOrderLevel(Level):
     """Theorem of the full order under exact linearisation."""
 
-    number, part, parameters = 4, "full", FullOrderConstants
+    number = 4
+    part = "full"
+    parameters = FullOrderConstants
     full_order = True
 
     def constants(self, own: FullOrderConstants) -> dict[str, tuple[float, ...]]:

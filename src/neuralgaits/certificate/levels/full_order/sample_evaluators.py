@@ -61,7 +61,9 @@ def set_of(
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
-    evaluators, reason, w = evaluators or evaluators_of(model), "", float(model.bandwidth)
+    evaluators = evaluators or evaluators_of(model)
+    reason = ""
+    w = float(model.bandwidth)
     samples = sample_gait(evaluators, free_clock) if pushed or widest else None
     half_width = SMALL
     plan_shares = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.

@@ -187,7 +187,9 @@ def _thin(flow: ChartFlow, walking: WalkingSetConstants, orbit: "_Orbit") -> _Th
         secants = _secants(flow, orbit, nodes)
         further = largest * np.exp(over_a_step(fitted(nodes, secants, BOUND_DEGREE)))
         if further < COMFORT:
-            attraction, rates, product = "nested tubes", secants, further
+            attraction = "nested tubes"
+            rates = secants
+            product = further
     # Half of the contraction is spent along the step, so that every premise has room.
     room = -0.5 * np.log(product)
     series = fitted(nodes, rates, BOUND_DEGREE)
