@@ -146,8 +146,7 @@ def commanded(
     lowest = {command.name: command.low for command in commands}
     if speed is not None:
         lowest["speed"] = speed
-    # Least step length, as a share of the shortest requested: footholds are met exactly.
-    shortest = 0.9
+    shortest = 0.9  # As a share of the shortest step requested: footholds are met exactly.
     plain = walking(
         robot,
         forward=SLOWEST * lowest["speed"] if "speed" in lowest else None,
@@ -159,8 +158,7 @@ def commanded(
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
     additions = [COMMAND_TRAINING.get(command.name, CommandTraining()) for command in commands]
     weights = {name: value for one in additions for name, value in one.weights.items()}
-    # Scale of how far the fences are from zero and from each other, in the unit of zeta.
-    apart = 0.1
+    apart = 0.1  # Scale of the fences' distance from zero and from each other [unit of zeta].
     return replace(
         plain.with_conditions(FencesApart("fences-apart", "fence-lower", apart)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},

@@ -149,8 +149,7 @@ class Writer:
     def _affine(self, group: Group) -> list[str]:
         """Write products with one matrix, its columns taken a few at a time."""
         nodes = group.nodes
-        rows = group.nodes[0].size
-        inner = group.nodes[0].inner
+        rows, inner = nodes[0].size, nodes[0].inner
         lines = [f"for (int i = 0; i < {rows}; ++i) {{"]
         for node in nodes:
             start = self._element(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"
@@ -194,8 +193,7 @@ class Writer:
     def _product(self, node: Node) -> list[str]:
         """Write the product of two matrices."""
         table = self._matrix(node)
-        columns = node.columns
-        inner = node.inner
+        columns, inner = node.columns, node.inner
         rows = node.size // columns
         at = f"i * {columns} + k"
         start = self._element(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"

@@ -83,10 +83,9 @@ def find_orbit(flow: ChartFlow, walking: WalkingSetConstants) -> OrbitProposal |
         flow: flow of the gait.
         walking: parameters of the walking set.
     """
-    degrees = (18, 24, 30, 36)  # Degrees of the orbit's series that are tried in turn.
     # Largest defect of the series in dzeta/dphase = F, as a share of the thin tube's slack.
     largest_defect = 0.1
-    for degree in degrees:
+    for degree in (18, 24, 30, 36):
         orbit = _periodic(flow, _nodes(walking, degree), degree)
         if orbit is None:
             return "no periodic orbit was found in the tube"
@@ -279,9 +278,8 @@ def _iterated(flow: ChartFlow, nodes: np.ndarray, degree: int, share: float) -> 
     constant = np.eye(1, degree + 1)[0]
     middle = fitted(nodes, np.mean(flow.fences(nodes), axis=1), degree)
     orbit = _Orbit(middle, np.array([[1.0, 0.5]]))
-    most_rounds = 400  # Iterations of the fixed point.
-    settled = 1e-12  # Relative change that ends them.
-    for _ in range(most_rounds):
+    settled = 1e-12  # Relative change that ends the iteration.
+    for _ in range(400):
         crossing = orbit.guard[:, 0]
         points = flow.points(orbit.series, np.concatenate([nodes, crossing]))
         quantities = flow.evaluate(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
