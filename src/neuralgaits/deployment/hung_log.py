@@ -186,7 +186,8 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
 
 def _refuse_gaps(text: Text, steps: Float[np.ndarray, " s"], usual: float, file: str) -> None:
     """Refuse a log with pauses. Raises: ManyProblems with each of them."""
-    # Longest gap in a log [s]: nobody knows a motion that went on in it.
+    # Longest gap in a log [s], or three usual steps where those are longer: nobody knows a motion
+    # that went on in it.
     longest = max(0.1, 3.0 * usual)
     gaps = [
         f"{file}, row {text.cells[k + 1][0]}: expected at most {longest:.2g} s from row to row, "

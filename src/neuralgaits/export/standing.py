@@ -54,15 +54,15 @@ def _postures_at(robot: PlanarBiped, height: float) -> StandingPostures | None:
     """Return the postures with the hip at a height, as `Stand.height`; None if there are none."""
     path, sway = [], []
     guess = None
-    # The path from standing to the first step, which begins with the centre of mass over the foot.
+    # From standing to the first step, which begins with the centre of mass over the front foot.
     for ahead in np.linspace(-0.5, 0.0, 9):
-        guess = posture(robot, Stand(0.40, height, float(ahead)), guess)
+        guess = posture(robot, Stand(spacing=0.40, height=height, ahead=float(ahead)), guess)
         if guess is None:
             return None
         path.append(guess)
     # Where the last step ends, and the two ends of how far the centre of mass goes afterwards.
     for ahead in (-0.6, -0.7, -0.3):
-        guess = posture(robot, Stand(0.50, height, ahead), path[0])
+        guess = posture(robot, Stand(spacing=0.50, height=height, ahead=ahead), path[0])
         if guess is None:
             return None
         sway.append(guess)
