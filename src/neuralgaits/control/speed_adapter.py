@@ -51,8 +51,8 @@ class AdapterState(NamedTuple):
     """State of an adapter between two touchdowns."""
 
     reference: float
-    """Speed that the step under way is to have: the requested one, by at most one step's change from
-    the reference before [m/s]."""
+    """Speed that the step under way is to have: the requested one, by at most one step's change
+    from the reference before [m/s]."""
     integral: float = 0.0
     """Sum of errors so far [m/s]."""
     error: float = 0.0
