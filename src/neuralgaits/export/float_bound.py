@@ -13,6 +13,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits._types import Float
 from neuralgaits.programs import Program, evaluate
@@ -67,8 +68,8 @@ class RoundingAlgebra(Algebra[RoundedValue]):
         error = np.abs(column.astype(np.float32).astype(np.float64) - column)
         return RoundedValue(column, column, error)
 
+    @override
     def move(self, operands: Sequence[RoundedValue], index: np.ndarray) -> RoundedValue:
-        """Select elements of the concatenated operands."""
         batch = max(operand.error.shape[1] for operand in operands)
         wide = [
             [np.broadcast_to(part, (part.shape[0], batch)) for part in operand]

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from onnx import GraphProto, NodeProto, TensorProto, ValueInfoProto, helper, numpy_helper
+from typing_extensions import override
 
 from neuralgaits.errors import SpecError
 from neuralgaits.programs.evaluation import Algebra, evaluate, fold
@@ -124,13 +125,13 @@ class OnnxAlgebra(Algebra[Tensor]):
             product = self._note("Add", names, rows * columns)
         return self._reshape(product, (rows * columns,))
 
+    @override
     def sum(self, a: Tensor, size: int) -> Tensor:
-        """Sum the rows of `a` reshaped to [size, ...]."""
         table, axis = self._read(a, (size, a.size // size)), self._integers(np.array([1]), "axis")
         return self._note("ReduceSum", [table, axis], size, keepdims=0)
 
+    @override
     def inner(self, a: Tensor, b: Tensor, size: int) -> Tensor:
-        """Return row-wise inner products of two matrices."""
         return self.sum(self.elementwise("mul", a, b), size)
 
     def elementwise(self, kind: str, *operands: Tensor) -> Tensor:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from typing_extensions import override
+
 from neuralgaits.certificate.chart import Chart, Corner
 from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
@@ -38,6 +40,6 @@ class DisturbedLevel(Level):
         """Conclude that the set of level 4 is forward invariant under the disturbance."""
         return conclude_disturbed(parameters[4], parameters[5], bounds)
 
+    @override
     def refusal(self, parameters: Parameters, chart: Chart) -> str | None:
-        """Explain why the theorem does not cover a chart, or return None."""
         return refusal_of_full_order(parameters, chart)
