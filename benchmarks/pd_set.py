@@ -20,7 +20,7 @@ from scipy.optimize import minimize
 
 from neuralgaits.barriers import Gait
 from neuralgaits.certificate.levels.full_order.model import BANDWIDTH, FullOrderModel
-from neuralgaits.certificate.levels.full_order.norm import FULL, HELD_SPARE, IMPACT, STRIP
+from neuralgaits.certificate.levels.full_order.norm_plans import FULL, HELD_SPARE, IMPACT, STRIP
 from neuralgaits.certificate.levels.full_order.sample_evaluators import evaluators_of, sample_gait
 from neuralgaits.certificate.levels.full_order.samples import GaitSamples
 from neuralgaits.control.pd import Pd

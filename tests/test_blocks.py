@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from neuralgaits._blocks import in_blocks
+from neuralgaits._blocks import in_blocks, in_blocks_of
 
 
 class SumAndRoot(NamedTuple):
@@ -37,3 +37,17 @@ def test_padding_stays_in_the_domain_of_the_function():
         return 1.0 / x
 
     np.testing.assert_array_equal(in_blocks(reciprocal, 4, np.array([1.0, 2.0])), [1.0, 0.5])
+
+
+def test_a_decorated_function_is_compiled_once_for_any_number_of_rows():
+    traced = []
+
+    @in_blocks_of(4)
+    def scaled(factor, x):
+        traced.append(x.shape)
+        return factor * x
+
+    for count in (1, 4, 9):
+        x = np.arange(float(count))
+        np.testing.assert_array_equal(scaled(np.array(2.0), x), 2.0 * x)
+    assert traced == [(4,)]

@@ -1,10 +1,35 @@
 """Evaluate compiled functions of many rows in blocks of one size, so that they compile once."""
 
 from collections.abc import Callable
+from functools import partial, wraps
 from typing import Any
 
 import jax
 import numpy as np
+
+from neuralgaits._quick_jit import quick_filter_jit
+
+RowFunction = Callable[..., Any]
+"""Function of one object, as a robot, and of arrays, to an array with as many rows."""
+
+
+def in_blocks_of(size: int) -> Callable[[RowFunction], RowFunction]:
+    """Compile the decorated function once, and evaluate it on `size` rows at a time.
+
+    It is then called with its object and with NumPy arrays of any number of rows, and returns NumPy
+    arrays. A row of its results may depend on that row alone.
+    """
+
+    def decorate(function: RowFunction) -> RowFunction:
+        compiled = quick_filter_jit(function)
+
+        @wraps(function)
+        def call(about: Any, *arrays: np.ndarray) -> Any:
+            return in_blocks(partial(compiled, about), size, *arrays)
+
+        return call
+
+    return decorate
 
 
 def in_blocks(function: Callable[..., Any], size: int, *arrays: np.ndarray) -> Any:

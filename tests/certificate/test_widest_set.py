@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities
-from neuralgaits.certificate.levels.full_order.norm import NormPlans, find_widest
+from neuralgaits.certificate.levels.full_order.norm import find_widest
+from neuralgaits.certificate.levels.full_order.norm_plans import NormPlans
 from neuralgaits.certificate.levels.full_order.sample_evaluators import (
     evaluators_of,
     sample_gait,

@@ -88,11 +88,13 @@ def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
 
     Args:
         motion: functions that make up the flow.
-        start: all with the same z1. [N, 2]
+        start: states with the same z1. [N, 2]
         mesh: mesh of z1.
     """
     y, h = _with_time(start), np.full(len(start), mesh.step)
-    nodes, finished, end = [y], np.zeros(len(y), bool), np.full((len(y), 3), np.nan)
+    nodes = [y]
+    finished = np.zeros(len(y), bool)
+    end = np.full((len(y), 3), np.nan)
     while not finished.all() and y[0, 0] < mesh.last:
         ahead = _step(motion, y, h)
         # A node on the ground is the landing, on whichever side of it rounding puts the foot.

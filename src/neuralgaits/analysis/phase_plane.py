@@ -39,7 +39,7 @@ def plane(
         chart: chart of the gait.
         phases: points along the fences.
         lines: number of grid lines in z1 and in z2.
-        beyond: how far it reaches past the tube, in lengths of a step and heights of the tube.
+        beyond: reach past the tube, in lengths of a step and heights of the tube.
     """
     phase = np.linspace(0.0, 1.0, phases)
     fences, length = chart.fences(phase), chart.guard - chart.start

@@ -94,7 +94,7 @@ def orbit_between(motion: FlowQuantities, z2: np.ndarray, mapped: np.ndarray, me
     Args:
         motion: functions that make up the flow.
         z2: increasing. [N]
-        mapped: one step later. [N]
+        mapped: states one step later. [N]
         mesh: mesh of the flow.
     """
     gap = mapped - z2

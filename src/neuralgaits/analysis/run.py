@@ -35,12 +35,12 @@ class Run:
     """A trained gait with everything it came from.
 
     Attributes:
-        folder: on disk.
+        folder: folder of the run on disk.
         robot: the model it was trained on, from the run's own copy.
         spec: the conditions it was trained for.
         trained: policy and tube, or the family of them that takes commands; of an unfinished run,
             those that its training starts from.
-        command: at which a family is evaluated; None for the middle of its ranges.
+        command: command at which a family is evaluated; None for the middle of its ranges.
     """
 
     folder: RunFolder

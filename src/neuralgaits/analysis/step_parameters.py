@@ -22,7 +22,9 @@ def step_parameters(run: Run, commands: Float[np.ndarray, "N 2 p"]) -> Float[np.
     """
     pairs, which = np.unique(commands.reshape(len(commands), -1), axis=0, return_inverse=True)
     sides = pairs.reshape(len(pairs), 2, -1)
-    policy, robot, residual = run.trained.policy, run.robot, run.residuals.reset
+    policy = run.trained.policy
+    robot = run.robot
+    residual = run.residuals.reset
 
     def some(before: np.ndarray, after: np.ndarray) -> tuple[Array]:
         return (parameters_of_pairs(policy, robot, residual, Pair(before, after)),)

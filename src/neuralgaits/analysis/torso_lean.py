@@ -1,13 +1,11 @@
 """How far the torso's centre of mass is ahead of the file's, from the joint angles of a walk."""
 
-from functools import partial
 from itertools import pairwise
 
 import jax
 import numpy as np
 
-from neuralgaits._blocks import in_blocks
-from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._blocks import in_blocks_of
 from neuralgaits._types import Array, Bool, Float
 from neuralgaits.control.lean_sums import SETTLING_S, can_lean, with_derivative
 from neuralgaits.robots import PlanarBiped
@@ -34,8 +32,7 @@ def leans_of(
     if not can_lean(robot):
         return None
     middles, changes = 0.5 * (q[1:] + q[:-1]), np.diff(q, axis=0)
-    rates = partial(_with_derivatives, robot)
-    (z, w), (x, c) = in_blocks(rates, 256, middles, changes)
+    (z, w), (x, c) = _with_derivatives(robot, middles, changes)
     weight = float(robot.mass * robot.gravity)
     at, passed = 0.5 * (time[1:] + time[:-1]), np.diff(time)
     starts = np.flatnonzero(touchdown)
@@ -53,7 +50,7 @@ def leans_of(
     return np.array(leans)
 
 
-@quick_filter_jit
+@in_blocks_of(256)
 def _with_derivatives(
     robot: PlanarBiped, q: Float[Array, "B n"], change: Float[Array, "B n"]
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:

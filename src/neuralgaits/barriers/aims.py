@@ -42,7 +42,7 @@ def middle_of(point: Point, gait: Gait) -> Middle:
 
     Args:
         point: any point of the step; its robot and residuals are those of the steady gait.
-        gait: of one step; its command after is the constant one.
+        gait: gait of one step; its command after is the constant one.
     """
     steady = gait.steady_next
     moving = ZeroDynamics(point.robot, steady.policy, point.residual, point.reset_residual)

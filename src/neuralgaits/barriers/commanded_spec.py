@@ -48,8 +48,8 @@ class CommandTraining(NamedTuple):
     """Requirements of one command on the training.
 
     Attributes:
-        weights: of conditions that give way first; for several commands, the last one's.
-        effort: of the recipe; for several commands, the least.
+        weights: weights of conditions that give way first; for several commands, the last one's.
+        effort: effort of the recipe; for several commands, the least.
         steps: gradient steps; for several commands, the most.
     """
 
@@ -94,7 +94,7 @@ def commands_of(**ranges: Interval | None) -> Commands:
     Speed and lean, in one gait, change half as fast: a tube has to follow both at once.
 
     Args:
-        ranges: by name; those that are None are left out.
+        ranges: ranges by name; those that are None are left out.
     """
     given_ranges = {name: ends for name, ends in ranges.items() if ends is not None}
     share = 0.5 if {"speed", LEAN} <= given_ranges.keys() else 1.0
@@ -130,9 +130,9 @@ def commanded(
     z1 alone: z2 follows from masses that it only believes in.
 
     Args:
-        robot: with knees.
-        commands: at least one.
-        z2_dependence: of `CommandedPolicy`.
+        robot: robot with knees.
+        commands: commands of the family, at least one.
+        z2_dependence: as in `CommandedPolicy`.
         speed: mean speed to aim at where none is commanded (m/s); None for any.
         lean_error: how far the robot's lean may be from the one that it is told (m).
 
@@ -146,8 +146,7 @@ def commanded(
     lowest = {command.name: command.low for command in commands}
     if speed is not None:
         lowest["speed"] = speed
-    # Least step length, as a share of the shortest requested: footholds are met exactly.
-    shortest = 0.9
+    shortest = 0.9  # As a share of the shortest step requested: footholds are met exactly.
     plain = walking(
         robot,
         forward=SLOWEST * lowest["speed"] if "speed" in lowest else None,
@@ -159,8 +158,7 @@ def commanded(
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
     additions = [COMMAND_TRAINING.get(command.name, CommandTraining()) for command in commands]
     weights = {name: value for one in additions for name, value in one.weights.items()}
-    # Scale of how far the fences are from zero and from each other, in the unit of zeta.
-    apart = 0.1
+    apart = 0.1  # Scale of the fences' distance from zero and from each other [unit of zeta].
     return replace(
         plain.with_conditions(FencesApart("fences-apart", "fence-lower", apart)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
@@ -204,7 +202,7 @@ def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
     """Return the default specification of a gait that walks at one mean speed.
 
     Args:
-        robot: with knees.
+        robot: robot with knees.
         speed: mean, over a step (m/s).
 
     Raises: SpecError if no robot with these legs walks so fast.

@@ -105,7 +105,7 @@ class DiscreteBarrier(AbstractCondition):
 
     Attributes:
         function: h, of the point data, read before and after the reset.
-        gamma: in (0, 1].
+        gamma: share of the decrease, in (0, 1].
     """
 
     function: Quantity
@@ -129,7 +129,7 @@ class Equality(AbstractCondition):
 
     Attributes:
         function: e, of the point data.
-        tolerance: in the units of e.
+        tolerance: largest |e|, in the units of e.
         loss: "hinge" penalises what exceeds the tolerance, "absolute" the error itself.
     """
 

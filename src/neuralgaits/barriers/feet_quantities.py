@@ -36,7 +36,7 @@ class PressureReserve:
 
     Attributes:
         end: "heel" or "toe".
-        share: of the sole that the middle part is.
+        share: share of the sole that the middle part is.
     """
 
     end: End
@@ -62,7 +62,7 @@ class ImpulseReserve:
 
     Attributes:
         end: "heel" or "toe".
-        share: of the sole that the middle part is.
+        share: share of the sole that the middle part is.
     """
 
     end: End
@@ -90,7 +90,7 @@ class AnkleReserve:
 
     Attributes:
         side: "lower" for the most negative torque on the joint, "upper" for the largest.
-        share: of the motor's limit that may be used.
+        share: share of the motor's limit that may be used.
     """
 
     side: Literal["lower", "upper"]

@@ -33,7 +33,7 @@ def flat_footed(robot: "PlanarBiped") -> GaitSpec:
     """Return the default specification of a gait on flat feet.
 
     Args:
-        robot: with flat feet, a torso and knees.
+        robot: robot with flat feet, a torso and knees.
 
     Raises: SpecError for a robot on point feet.
     """

@@ -81,7 +81,9 @@ def empty_tube(robot: "PlanarBiped", span: tuple[float, float]) -> Tube:
 def _stance(robot: "PlanarBiped") -> list[Barrier | Pointwise]:
     """Conditions on the whole tube: contact, torques, joint ranges and progress."""
     unit = units(robot)
-    weight, speed, cone = unit.weight_n, unit.speed, float(robot.friction)
+    weight = unit.weight_n
+    speed = unit.speed
+    cone = float(robot.friction)
     conditions: list[Barrier | Pointwise] = []
     if robot.torso is not None:
         # Class-K gain of that barrier, in units of the reference robot's time [1/s].

@@ -138,7 +138,7 @@ class TorqueReserve:
 
     Attributes:
         side: "lower" for the most negative torque, "upper" for the largest.
-        share: of the robot's limits that the zero dynamics may use.
+        share: share of the robot's limits that the zero dynamics may use.
     """
 
     side: Literal["lower", "upper"]
@@ -162,8 +162,9 @@ class KneeBend:
 
     Attributes:
         joints: indices of the knees among the actuated joints, counted from 0.
-        sides: for each, 1.0 if it bends to positive angles, -1.0 if to negative ones.
-        least: [rad].
+        sides: 1.0 for each that bends to positive angles, -1.0 for each that bends to negative
+            ones.
+        least: smallest bend [rad].
     """
 
     joints: tuple[int, ...]

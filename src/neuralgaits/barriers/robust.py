@@ -29,9 +29,9 @@ def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
     """Return the default specification of a gait for every robot of a box.
 
     Args:
-        robot: in the middle of the box; with knees.
+        robot: robot in the middle of the box; with knees.
         box: half widths by kind of parameter, see `robots.parameter_box`.
-        commands: that the gait receives at each touchdown, on a floor as modelled.
+        commands: commands that the gait receives at each touchdown, on a floor as modelled.
 
     Raises: SpecError if there are commands and the floor's height is unknown.
     """

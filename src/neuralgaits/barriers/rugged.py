@@ -24,7 +24,7 @@ def rugged(robot: "PlanarBiped") -> GaitSpec:
     """Return the default specification of a gait for unknown pushes, slopes and floors.
 
     Args:
-        robot: with knees.
+        robot: robot with knees.
     """
     # Requested mean speed of the reference robot [m/s]. At a higher speed, pushes do less harm and
     # floors more.

@@ -37,7 +37,7 @@ class Recipe:
             into a poor minimum in their first steps.
         milestones: shares of the steps at which the rate drops to a tenth; None for a cosine
             schedule.
-        overshoot: how far samples reach beyond the chart's edges in (phase, level).
+        overshoot: reach of samples beyond the chart's edges in (phase, level).
         aim: margin below which a condition is penalised, in its scale.
         worst_weight: weight of the worst sample's violation beside the mean.
         logarithmic: let a condition's penalty grow like a logarithm above one, so that one
@@ -50,7 +50,7 @@ class Recipe:
         faster_changes: share by which training exceeds the largest change of a command, because
             calibration stretches changes.
         corners: share of the samples of a command's axis that lie on its ends.
-        strip: how far, in phases, samples of the guard lie before and behind phase 1.
+        strip: phases before and behind phase 1 in which samples of the guard lie.
         largest_gradient: norm that gradients are clipped to; None for any.
 
     Raises: SpecError on milestones or an overshoot that training would not read as meant.
@@ -116,7 +116,7 @@ class GaitSpec:
 
     Attributes:
         name: name of the spec.
-        conditions: with unique names.
+        conditions: conditions with unique names.
         regions: name to boxes of the tube's chart.
         new_gait: (key, init, hidden widths or None) to an untrained gait.
         recipe: training settings.

@@ -184,10 +184,10 @@ def load(
         name: one of `BUILT_IN`, or FILE.py:NAME where NAME is a `GaitSpec` or a function robot
             -> GaitSpec.
         robot: the robot the spec is for.
-        commands: that the gait receives at each touchdown; for "walking" only.
+        commands: commands that the gait receives at each touchdown; for "walking" only.
         speed: mean speed to aim at (m/s); for "walking" only, without commands.
         parameters: box of robots that it is meant for; for "walking" only, without one speed.
-        degree: of the polynomials of a given gait; for "hzd" only, and needed there.
+        degree: degree of the polynomials of a given gait; for "hzd" only, and needed there.
 
     Raises: InputError on anything but a robot, SpecError on names and settings that do not fit.
     """

@@ -57,7 +57,7 @@ class SearchTarget:
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         floor: bound on how much higher or lower than meant a foothold may lie [m].
         disturbed: whether the set at full order is to stand a disturbance as well (level 5).
-        control: what is assumed of the controller at full order.
+        control: assumptions about the controller at full order.
         shared: objects that the search of a level hands to those above it, by its number.
     """
 

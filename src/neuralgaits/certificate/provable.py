@@ -52,8 +52,8 @@ def why_not_of_beliefs(commands: Commands, kinds: Collection[str]) -> str | None
     lean would be about no robot; and only a gait that is told one has a belief to be near to.
 
     Args:
-        commands: of the gait.
-        kinds: of `parameter_box.UNITS`.
+        commands: commands of the gait.
+        kinds: kinds of change, of `parameter_box.UNITS`.
     """
     if command_named(commands, LEAN) is None:
         return None if LEAN not in kinds else "a gait that is told no lean: leave lean out"

@@ -15,6 +15,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
 from neuralgaits.control.driven_mechanism import DrivenMechanism
@@ -64,8 +65,8 @@ class ClfQp(AbstractLaw):
         """The linearising law whose torques the program follows within limits."""
         return Fblin(bandwidth=self.bandwidth, hold_ticks=self.hold_ticks)
 
+    @override
     def at_bandwidth(self, bandwidth: float) -> "ClfQp":
-        """Return the law with another w [rad/s]."""
         return replace(self, bandwidth=bandwidth)
 
     def in_c(self) -> CompiledLaw:

@@ -42,7 +42,7 @@ class CommandEstimate(NamedTuple):
     """Mean of what the steps so far showed of a command."""
 
     value: float
-    """In the command's unit; it may lie outside of the command's range."""
+    """Estimate in the command's unit; it may lie outside of the command's range."""
     steps: int = 0
     """Steps that showed it."""
 
@@ -76,7 +76,7 @@ def learn(
 
     Args:
         belief: limits and gain.
-        estimate: before the step.
+        estimate: estimate before the step.
         shown: value that the step shows; NaN if it shows none. One that cannot be changes nothing.
         whole: whether all of the step was seen. What a part of one shows counts until a whole one
             is seen.

@@ -21,11 +21,11 @@ class CommandState(NamedTuple):
     """Commands by their order, in their units; all of it empty for a gait that takes none."""
 
     requested: Float[Array, " p"]
-    """What is wished for: the next touchdown goes there, as far as one step may change."""
+    """Requested commands: the next touchdown goes there, as far as one step may change."""
     pair: Pair
     """Commands of the step under way."""
     step_parameters: Float[Array, " s"]
-    """What follows from that pair, see `AbstractPolicy.parameters_of_step`."""
+    """Parameters of that step, see `AbstractPolicy.parameters_of_step`."""
 
 
 def steady(

@@ -47,7 +47,7 @@ class Controller(eqx.Module):
     Attributes:
         robot: the model the controller believes in, except for a commanded lean.
         policy: desired outputs y_d(z), or a family of them that takes commands.
-        law: how torques follow from them, fitted to the robot.
+        law: law by which torques follow from them, fitted to the robot.
         bounds: limits of the measured z; the law selects the part that the policy gets.
         torque_limit: largest torque of each actuated joint, stance leg first [N m]. [m]
         stance: thresholds of the stance machine.
@@ -219,7 +219,9 @@ def step(
     controller: Controller, state: ControllerState, measurement: Measurement
 ) -> tuple[ControllerState, TickResult]:
     """Compute one control tick. Returns: the next state, and the `TickResult`."""
-    robot, law, joints = controller.robot, controller.law, controller.joints
+    robot = controller.robot
+    law = controller.law
+    joints = controller.joints
     q_before, _ = coordinates(robot, measurement, state.stance.leg)
     force, period = measurement.normal_force, controller.period_s
     standing, touchdown = advance_stance(

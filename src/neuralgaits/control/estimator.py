@@ -75,7 +75,7 @@ def estimate(
         state: before.
         reading: reading of the sensors.
         standing: stance leg, and time since touchdown, before this tick.
-        period_s: between two readings (s).
+        period_s: time between two readings (s).
         ankle: torque of a stance ankle since the last reading (N m); None on point feet.
 
     Returns: the new state; the controller uses its `estimate`.

@@ -6,6 +6,7 @@ Source: Westervelt et al. (2007), section 5.
 from dataclasses import replace
 
 import equinox as eqx
+from typing_extensions import override
 
 from neuralgaits._types import Actuated
 from neuralgaits.control.driven_mechanism import DrivenMechanism
@@ -31,12 +32,12 @@ class Fblin(AbstractLaw):
     bandwidth: float = eqx.field(default=30.0, static=True)
     hold_ticks: int = eqx.field(default=1, static=True)
 
+    @override
     def at_bandwidth(self, bandwidth: float) -> "Fblin":
-        """Return the law with another w [rad/s]."""
         return replace(self, bandwidth=bandwidth)
 
+    @override
     def in_c(self) -> CompiledLaw:
-        """Return the law as compiled code has it."""
         words = f"input-output linearisation, {self.bandwidth:g} rad/s"
         return CompiledLaw(words, model=True, bandwidth=self.bandwidth)
 
@@ -49,8 +50,8 @@ class Fblin(AbstractLaw):
         """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
         return accelerated(robot, outputs, reading)
 
+    @override
     def torque(self, robot: DrivenMechanism, reading: MeasuredState, desired: Desired) -> Actuated:
-        """Joint torques before saturation. Returns: [m] (N m)."""
         error, rate = errors(reading, desired)
         pull = -(self.bandwidth**2) * error - 2.0 * self.bandwidth * rate
         return inverse_dynamics(robot, reading, desired.slope, desired.drift + pull)

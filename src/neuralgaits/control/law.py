@@ -78,7 +78,7 @@ class CompiledLaw(NamedTuple):
     """A law as `ng_law` of `export/c/controller.h` computes it."""
 
     words: str
-    """Its gains, for the comment at the top of an export."""
+    """Gains in words, for the comment at the top of an export."""
     stiffness: tuple[float, ...] = ()
     """Position gains by joint [N m/rad]; empty if the law has none. [m]"""
     damping: tuple[float, ...] = ()
@@ -109,7 +109,7 @@ class AbstractLaw(eqx.Module):
         """Return the law with what it keeps of a gait, if it keeps anything.
 
         Args:
-            joints: those of the robot that torques are for.
+            joints: joints of the robot that torques are for.
             gait: policy and tube.
 
         Raises: SpecError for a gait that the law cannot have.

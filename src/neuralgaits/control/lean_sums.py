@@ -77,7 +77,7 @@ def advance(
 
     Args:
         robot: the model of the file.
-        sums: before the tick.
+        sums: sums before the tick.
         q: coordinates, standing on the leg of the tick (rad). [n]
         time: time of the tick (s).
         since_touchdown: time since the last touchdown (s); infinite before the first.

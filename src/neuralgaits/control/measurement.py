@@ -53,7 +53,7 @@ def of_all_motors(
     """Put a stance ankle's value before those of the actuated coordinates; none on point feet.
 
     Args:
-        layout: of the robot file.
+        layout: layout of the robot file.
         actuated: values of the actuated coordinates.
         ankle: value of the stance ankle; that of the swing ankle if None.
 
@@ -71,7 +71,7 @@ def leg_joints(
     """Values of all motors by leg: the inverse of `stance_joints` on point feet.
 
     Args:
-        layout: of the robot file.
+        layout: layout of the robot file.
         actuated: values in the order of `of_all_motors`.
         stance: stance leg.
 

@@ -7,6 +7,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits._types import Actuated, ZeroState
 from neuralgaits.control.driven_mechanism import DrivenMechanism
@@ -66,8 +67,8 @@ class Pd(AbstractLaw):
         gains = (_each(stiffness, joints.count), _each(damping, joints.count))
         return replace(self, bandwidth=w, stiffness=gains[0], damping=gains[1])
 
+    @override
     def in_c(self) -> CompiledLaw:
-        """Return the law as compiled code has it."""
         gains = f"{_gain_text(self.stiffness)} N m/rad, {_gain_text(self.damping)} N m s/rad"
         return CompiledLaw(
             words=f"the model's torques, {gains}" if self.feed_forward else gains,
@@ -79,12 +80,12 @@ class Pd(AbstractLaw):
 
     @property
     def takes_joints(self) -> bool:
-        """Where the model's torques are added."""
+        """Whether the model's torques are added."""
         return self.feed_forward
 
     @property
     def uses_impact_consistent_rates(self) -> bool:
-        """Where z2 is measured: desired rates of a touchdown are held beyond it."""
+        """Whether z2 is measured: desired rates of a touchdown are held beyond it."""
         return self.measure_z2
 
     def policy_state(self, z: ZeroState) -> ZeroState:
@@ -98,8 +99,8 @@ class Pd(AbstractLaw):
         y, dy = jax.jvp(outputs, (reading.z,), (reading.dz,))
         return Desired(y, dy, jnp.zeros_like(y), jnp.zeros_like(y))
 
+    @override
     def torque(self, robot: DrivenMechanism, reading: MeasuredState, desired: Desired) -> Actuated:
-        """Joint torques before saturation. Returns: [m] (N m)."""
         if not (self.stiffness and self.damping):
             raise InputError(
                 "Pd: expected gains, found none: fit them to a robot's joints by `with_gains_for`"

@@ -43,7 +43,7 @@ class SafeguardConfig:
     Attributes:
         torque_swing_s: fastest change of a torque from one limit to the other [s]. Four control
             ticks of 1 kHz: current loops of such drives settle within one.
-        blend_s: from holding the first posture to the law [s]; 0 for none.
+        blend_s: time from holding the first posture to the law [s]; 0 for none.
         hold_stiffness: while blending [N m/rad].
         hold_damping: while blending [N m s/rad].
         largest_pitch: largest pitch of a torso [rad], as `simulation.ticks.falls` has it.
@@ -53,7 +53,7 @@ class SafeguardConfig:
         force_share: largest ground force in units of the weight: a hard impact has 30.
         contact_share: share of the weight that a foot on the ground must feel.
         airborne_s: both feet in the air [s]: a bouncing contact has a few milliseconds.
-        gap_s: between two readings [s]: fifty lost packets in a row at 1 kHz.
+        gap_s: time between two readings [s]: fifty lost packets in a row at 1 kHz.
     """
 
     torque_swing_s: float = 0.004
@@ -138,7 +138,9 @@ def check(
     robot = controller.robot
     weight = robot.mass * robot.gravity
     low, high = joint_ranges(robot)
-    angles, rates, force = measurement.angles, measurement.rates, measurement.normal_force
+    angles = measurement.angles
+    rates = measurement.rates
+    force = measurement.normal_force
     far = (angles < low - config.angle_margin) | (angles > high + config.angle_margin)
     fast = jnp.abs(rates) > config.largest_rate
     strong = jnp.abs(force) > config.force_share * weight

@@ -78,7 +78,7 @@ def zero_state_bounds(policy: "AbstractPolicy", z2_range: tuple[float, float]) -
     """Bounds for a policy: its own z1 interval, and momenta of a walk.
 
     Args:
-        policy: its `z1_range` is the step's interval.
+        policy: policy whose `z1_range` is the step's interval.
         z2_range: smallest and largest momentum (kg m^2/s).
     """
     start, guard = (np.asarray(value, dtype=np.float64) for value in policy.z1_range)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from typing_extensions import override
 
 from neuralgaits._types import Actuated, Array, Float, ZeroState
 from neuralgaits.control.driven_mechanism import DrivenMechanism
@@ -93,8 +94,8 @@ class ScheduledPd(AbstractLaw):
             )
         return replace(self, schedule=GainSchedule(gains, gait, errors))
 
+    @override
     def at_bandwidth(self, bandwidth: float) -> "ScheduledPd":
-        """Return the law with another w [rad/s]."""
         return replace(self, bandwidth=bandwidth)
 
     def in_c(self) -> CompiledLaw:
@@ -120,8 +121,8 @@ class ScheduledPd(AbstractLaw):
         y, dy = jax.jvp(outputs, (reading.z,), (reading.dz,))
         return Desired(y, dy, jnp.zeros_like(y), jnp.zeros_like(y))
 
+    @override
     def torque(self, robot: DrivenMechanism, reading: MeasuredState, desired: Desired) -> Actuated:
-        """Joint torques before saturation. Returns: [m] (N m)."""
         if self.schedule is None:
             raise InputError(
                 "ScheduledPd: expected gains, found none: fit them to a gait by `for_gait`"

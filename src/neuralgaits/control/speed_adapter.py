@@ -51,8 +51,8 @@ class AdapterState(NamedTuple):
     """State of an adapter between two touchdowns."""
 
     reference: float
-    """Speed that the step under way is to have: the told one, by at most one step's change from
-    the reference before [m/s]."""
+    """Speed that the step under way is to have: the requested one, by at most one step's change
+    from the reference before [m/s]."""
     integral: float = 0.0
     """Sum of errors so far [m/s]."""
     error: float = 0.0
@@ -113,23 +113,23 @@ def adapter_for(commands: Commands) -> SpeedAdapter | None:
     return SpeedAdapter(speed.low, speed.high, change)
 
 
-def start(adapter: SpeedAdapter, told: float) -> AdapterState:
-    """Return the state before the first step, at a told speed (m/s)."""
-    return AdapterState(_clamp(told, adapter.low, adapter.high))
+def start(adapter: SpeedAdapter, requested: float) -> AdapterState:
+    """Return the state before the first step, at a requested speed (m/s)."""
+    return AdapterState(_clamp(requested, adapter.low, adapter.high))
 
 
-def reference_for(adapter: SpeedAdapter, state: AdapterState, told: float) -> float:
-    """Return the reference of a step that is told a speed (m/s); NaN leaves it as it is."""
-    if math.isnan(told):
+def reference_for(adapter: SpeedAdapter, state: AdapterState, requested: float) -> float:
+    """Return the reference for a requested speed (m/s); NaN leaves it as it is."""
+    if math.isnan(requested):
         return state.reference
-    inside, last = _clamp(told, adapter.low, adapter.high), state.reference
+    inside, last = _clamp(requested, adapter.low, adapter.high), state.reference
     return _clamp(inside, last - adapter.change, last + adapter.change)
 
 
 def command_for(
     adapter: SpeedAdapter,
     state: AdapterState,
-    told: float,
+    requested: float,
     excess: float = 0.0,
     *,
     moving: bool = False,
@@ -139,11 +139,11 @@ def command_for(
     Args:
         adapter: limits and gains.
         state: state since the last touchdown.
-        told: speed that the user tells (m/s).
+        requested: speed that the user tells (m/s).
         excess: speed that is known to be added to the command (m/s).
         moving: whether a believed lean is on its way.
     """
-    reference = reference_for(adapter, state, told)
+    reference = reference_for(adapter, state, requested)
     gain = adapter.moving_gain if moving else adapter.error_gain
     command = reference + state.integral + gain * state.error - excess
     return _clamp(command, adapter.low, adapter.high)
@@ -152,7 +152,7 @@ def command_for(
 def advance(
     adapter: SpeedAdapter,
     state: AdapterState,
-    told: float,
+    requested: float,
     before: float,
     after: float,
     walked: float | None,
@@ -167,7 +167,7 @@ def advance(
     Args:
         adapter: limits and gains.
         state: state during the step that ended.
-        told: speed that the user told the step that begins (m/s).
+        requested: speed that the user told the step that begins (m/s).
         before: command of the step that ended, as the controller latched it (m/s).
         after: speed of the step that begins (m/s).
         walked: mean speed of the step that ended (m/s); None if it was not measured, which leaves
@@ -176,7 +176,7 @@ def advance(
 
     Returns: the state during the step that begins.
     """
-    reference = reference_for(adapter, state, told)
+    reference = reference_for(adapter, state, requested)
     if walked is None or not math.isfinite(walked):
         return state._replace(reference=reference)
     width = adapter.high - adapter.low

@@ -15,7 +15,7 @@ def read(reading: MeasuredState, torque: Callable[[ZeroState], Scalar | None]) -
     """Return a reading with the ankle's torque, and with what it adds to the rate of z2.
 
     Args:
-        reading: with the rate of z on a point foot.
+        reading: measured state, with the rate of z on a point foot.
         torque: the policy's torque of the ankle, positive forward, as a function of z [N m].
     """
 

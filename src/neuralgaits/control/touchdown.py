@@ -57,9 +57,9 @@ def touches_down(
 
     Args:
         config: thresholds.
-        robot: for weight and leg length.
+        robot: robot, for its weight and leg length.
         force: normal force on the swing foot (N).
-        ahead: how far it is ahead of the stance foot (m).
+        ahead: distance that it is ahead of the stance foot (m).
         unlocked: whether the time in which contacts are ignored is over.
         xp: `numpy` for numbers outside JAX.
     """
@@ -79,10 +79,10 @@ def advance_stance(
 
     Args:
         config: thresholds.
-        robot: for weight and leg length.
+        robot: robot, for its weight and leg length.
         state: before.
         q: coordinates in the old stance [n].
-        normal_force: on each foot, legs in the order of the robot file [2] (N).
+        normal_force: force on each foot, legs in the order of the robot file [2] (N).
         dt: control period (s).
 
     Returns: the new state, and whether the swing foot touched down just now.

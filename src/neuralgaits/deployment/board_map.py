@@ -28,7 +28,7 @@ class BoardReadings(NamedTuple):
     pitch: float
     """Pitch of the inertial unit [rad]."""
     dpitch: float
-    """Its rate [rad/s]."""
+    """Rate of that pitch [rad/s]."""
     contact: np.ndarray
     """Reading of each contact channel, in its own unit. [channels]"""
 
@@ -43,9 +43,9 @@ class JointReadings(NamedTuple):
     pitch: float
     """Pitch of the root [rad]."""
     dpitch: float
-    """Its rate [rad/s]."""
+    """Rate of the root's pitch [rad/s]."""
     normal_force: np.ndarray
-    """On each foot [N]. [2]"""
+    """Normal force on each foot [N]. [2]"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """Names, ranges and limits of a run's robot, which a deployment file must match."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ class JointFacts:
     """A joint of the robot file, in its signs.
 
     Attributes:
-        name: in the robot file.
+        name: name in the robot file.
         places: legs and indices of the joint there; a hip that both legs share has two.
         lower_rad, upper_rad: its range [rad].
         torque_limit_nm: largest torque of its motor, on the joint [N m].
@@ -79,12 +79,8 @@ def joint_facts(
         for i, name in enumerate(names):
             if name in facts:
                 one = facts[name]
-                facts[name] = JointFacts(name, (*one.places, (leg, i)), *_numbers(one))
+                facts[name] = replace(one, places=(*one.places, (leg, i)))
                 continue
             numbers = (lower[leg, i], upper[leg, i], largest[leg, i])
             facts[name] = JointFacts(name, ((leg, i),), *(float(f"{x:.12g}") for x in numbers))
     return tuple(facts.values())
-
-
-def _numbers(joint: JointFacts) -> tuple[float, float, float]:
-    return joint.lower_rad, joint.upper_rad, joint.torque_limit_nm

@@ -52,7 +52,7 @@ def joint_problems(
 
     Args:
         file: name of the file.
-        joints: those that could be read.
+        joints: joints that could be read.
         about: robot of the run.
         whole: whether all could be read, so that those that lack are missing.
     """

@@ -8,7 +8,7 @@ FORMAT = 1
 
 @dataclass(frozen=True)
 class DeployedJoint:
-    """How one joint of the robot file meets its motor.
+    """Map between one joint of the robot file and its motor.
 
     With a reading r of the drive [rad] the joint's angle in the robot file's sign is
     `sign (r / gear - zero_rad)`, and a torque t on the joint is `sign t / gear` on the drive.
@@ -17,7 +17,7 @@ class DeployedJoint:
         joint: name in the robot file.
         motor: index of the motor, from 0.
         sign: 1 if the drive counts as the robot file does, else -1.
-        zero_rad: what the drive shows, over the gear, where the joint's angle is 0 [rad].
+        zero_rad: reading of the drive, over the gear, where the joint's angle is 0 [rad].
         gear: turns of the drive per turn of the joint, as the drive counts them.
         lower_rad, upper_rad: range of the joint [rad].
         torque_limit_nm: largest torque on the joint [N m].
@@ -46,7 +46,7 @@ class ImuMount:
 
 @dataclass(frozen=True)
 class ContactChannel:
-    """Where a foot's contact is read: its force is `newton_per_unit (r - zero_unit)` [N].
+    """Channel of a foot's contact sensor: its force is `newton_per_unit (r - zero_unit)` [N].
 
     Attributes:
         foot: name of the foot in the robot file.
@@ -78,8 +78,8 @@ class DeploymentFile:
         robot, policy, proof: files of the run; proof is None without one.
         period_s: period of the control tick [s].
         imu: inertial unit.
-        contacts: one for each foot.
-        joints: one for each joint with a motor.
+        contacts: contact of each foot.
+        joints: each joint with a motor.
         sha256: hash of the file that this was read from; empty for none.
     """
 

@@ -25,8 +25,8 @@ class HungLog:
         pitch: pitch of the inertial unit [rad]. [t]
         channels: index of the contact channel in each column.
         contact: readings of the contact channels. [t, channels]
-        moved: what was moved in each row, as `knee_left`, `+knee_left`, `pitch` or `zero`; empty
-            for nothing. [t]
+        moved: label of the motion in each row, as `knee_left`, `+knee_left`, `pitch` or `zero`;
+            empty for nothing. [t]
     """
 
     time: Float[np.ndarray, " t"]
@@ -83,7 +83,7 @@ def read_hung_log(path: str | Path, names: tuple[str, ...]) -> HungLog:
 
     Args:
         path: CSV file.
-        names: what may be moved: joints, feet, `pitch`, `zero`.
+        names: names of what may be moved: joints, feet, `pitch`, `zero`.
 
     Raises: InputError in a line for a file that is none, or with a row that cannot be read;
         ManyProblems if several columns or labels are wrong.
@@ -186,7 +186,8 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
 
 def _refuse_gaps(text: Text, steps: Float[np.ndarray, " s"], usual: float, file: str) -> None:
     """Refuse a log with pauses. Raises: ManyProblems with each of them."""
-    # Longest gap in a log [s]: nobody knows a motion that went on in it.
+    # Longest gap in a log [s], or three usual steps where those are longer: nobody knows a motion
+    # that went on in it.
     longest = max(0.1, 3.0 * usual)
     gaps = [
         f"{file}, row {text.cells[k + 1][0]}: expected at most {longest:.2g} s from row to row, "

@@ -16,7 +16,7 @@ from neuralgaits.robots.constants import MjcfLayout
 
 @dataclass(frozen=True)
 class HungRobotSettings:
-    """How the robot differs from its file, and how its joints are moved.
+    """Differences of the robot from its file, and the motion of its joints.
 
     Attributes:
         mass_error: masses and inertias of each body are off by up to this share.
@@ -26,7 +26,7 @@ class HungRobotSettings:
         amplitude_rad: amplitude of the motion of the joint under test [rad].
         directions: whether labels say which way a joint first went.
         zero: whether the log begins with all joints, and the torso, at zero.
-        seconds: for each joint [s].
+        seconds: time for each joint [s].
         rate_hz: rows of the log a second.
     """
 
@@ -50,9 +50,9 @@ def hung_log(
     """Return the log of a robot in a stand: each joint in turn, then the stand tilts forward.
 
     Args:
-        layout: of the robot file.
+        layout: layout of the robot file.
         hardware: what its motors and sensors really are.
-        seed: of differences from the robot file, and of noise.
+        seed: seed of differences from the robot file, and of noise.
         settings: the defaults if None.
     """
     settings = settings or HungRobotSettings()
@@ -110,7 +110,9 @@ class _Stand:
         scale = 1.0 + rng.uniform(-settings.mass_error, settings.mass_error, model.nbody)
         model.body_mass[:] *= scale
         model.body_inertia[:] *= scale[:, None]
-        self._settings, self._model, self._data = settings, model, mujoco.MjData(model)
+        self._settings = settings
+        self._model = model
+        self._data = mujoco.MjData(model)
         self._names = list(dict.fromkeys(name for leg in layout.leg_joints for name in leg))
         motors = dict(
             zip(

@@ -27,7 +27,7 @@ class LegSeries:
 
     Attributes:
         q, dq, ddq: joints, lowest first [rad], [rad/s], [rad/s^2]. [t, k]
-        torque: on the joints [N m]. [t, k]
+        torque: torques on the joints [N m]. [t, k]
         pitch: pitch of the root [rad]. [t]
     """
 
@@ -51,10 +51,10 @@ class LegSeries:
         Angles and torques pass the same filter, so that their relation stays.
 
         Args:
-            time: of each row [s].
+            time: time of each row [s].
             q: joints [rad].
-            torque: on them [N m].
-            pitch: of the root [rad].
+            torque: torques on them [N m].
+            pitch: pitch of the root [rad].
             driven: 1 where nothing but the drives acts on the leg; other rows are left out.
         """
         step = float(np.median(np.diff(time)))
@@ -109,7 +109,7 @@ class LegFitter:
     Attributes:
         leg: its model.
         signs, offsets: from the file's joints to the theory's. [k]
-        pitch_sign: of the file's pitch.
+        pitch_sign: sign of the file's pitch.
         lower, upper: ranges of the joints in the robot file [rad]. [k]
         limit: torque limits [N m]. [k]
         prior: standard deviations of the zeros' errors before torques are looked at [rad]. [k]

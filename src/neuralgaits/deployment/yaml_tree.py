@@ -20,7 +20,7 @@ class YamlNode:
 
     Attributes:
         value: a text, a list of nodes, or a dict of nodes by key.
-        line: where it begins, from 1.
+        line: line where it begins, from 1.
     """
 
     value: "str | list[YamlNode] | dict[str, YamlNode]"

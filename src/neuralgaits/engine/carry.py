@@ -20,8 +20,10 @@ def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None
     start_time = time.perf_counter()
     files: Files = {}
     failure = None
+    module, _, name = task.partition(":")
     try:
-        files = _task_named(task)(job.settings, {**common, **job.files})
+        function: Task = getattr(import_module(module), name)
+        files = function(job.settings, {**common, **job.files})
     except MemoryError:
         failure = Failure("lost", "a worker ran out of memory")
     except Exception as error:
@@ -38,11 +40,6 @@ def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None
                 "defect", f"{type(error).__name__}: {_line(str(error))}{_raised_at(error)}"
             )
     return files, failure, time.perf_counter() - start_time
-
-
-def _task_named(task: str) -> Task:
-    module, _, function = task.partition(":")
-    return getattr(import_module(module), function)
 
 
 def _line(text: str) -> str:
@@ -64,14 +61,11 @@ def versions() -> dict[str, str]:
         if file.suffix in (".py", ".c", ".h", ".cpp", ".xml"):
             code.update(f"{file.relative_to(root)}:{file.stat().st_size}:".encode())
             code.update(file.read_bytes())
-    own = {"neuralgaits": f"{__version__} ({code.hexdigest()[:12]})"}
-    # Libraries whose version decides the digits of results.
-    packages = ("jax", "jaxlib", "mujoco", "numpy")
-    return own | {name: metadata.version(name) for name in packages} | {"machine": _machine()}
-
-
-def _machine() -> str:
-    return f"{platform.system()} {platform.machine()}"
+    return {
+        "neuralgaits": f"{__version__} ({code.hexdigest()[:12]})",
+        **{name: metadata.version(name) for name in ("jax", "jaxlib", "mujoco", "numpy")},
+        "machine": f"{platform.system()} {platform.machine()}",
+    }
 
 
 def differing(requirements: dict[str, Any]) -> str | None:

@@ -93,7 +93,9 @@ class OnRay(WorkerPool):
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
     ) -> Generator[TaskResult, None, None]:
         """Carry out the jobs as remote Ray functions; see `WorkerPool.map`."""
-        ray, named, left = self._ray, name_of(task), iter(jobs)
+        ray = self._ray
+        named = name_of(task)
+        left = iter(jobs)
         remote = ray.remote(num_cpus=1, max_retries=0)(_carry_out_here)
         # Put once: every node fetches it once.
         shared = ray.put(dict(common or {}))

@@ -37,9 +37,9 @@ class Processes(WorkerPool):
     """Processes of this machine.
 
     Args:
-        workers: of them.
-        memory_bytes: that each may have; an equal share of the machine's if None. A task that
-            needs more fails with a line that says so.
+        workers: number of workers.
+        memory_bytes: memory that each may have; an equal share of the machine's if None. A task
+            that needs more fails with a line that says so.
 
     Raises: InputError for no workers.
     """
@@ -94,7 +94,9 @@ class Processes(WorkerPool):
                         if tried < TRIES:
                             again.append((job, tried))
                         else:
-                            yield TaskResult(job.name, {}, _died(end, tried), tried, 0.0)
+                            died = f"{tried} workers died of it, one after the other"
+                            lost = Failure("lost", f"{died}; the last {end}")
+                            yield TaskResult(job.name, {}, lost, tried, 0.0)
                         continue
                     if answer == _READY:
                         worker.ready = True
@@ -155,10 +157,6 @@ class _Worker:
         self.pipe.close()
         self._process.kill()
         self._process.join()
-
-
-def _died(end: str, tries: int) -> Failure:
-    return Failure("lost", f"{tries} workers died of it, one after the other; the last {end}")
 
 
 def _share(workers: int) -> int:

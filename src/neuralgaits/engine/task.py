@@ -31,7 +31,7 @@ class Failure(NamedTuple):
     Attributes:
         kind: `refused`: the task refused, and would again; `defect`: it met a mistake of the
             program; `lost`: its workers died, or had too little memory or no platform for JAX.
-        reason: one line.
+        reason: reason in one line.
     """
 
     kind: Literal["refused", "defect", "lost"]
@@ -42,7 +42,7 @@ class TaskResult(NamedTuple):
     """Outcome of a job.
 
     Attributes:
-        name: of the job.
+        name: name of the job.
         files: returned by the task; empty if it failed.
         failure: None if it did not fail.
         tries: number of workers that began it.
@@ -80,7 +80,7 @@ class WorkerPool(ABC):
 
         Args:
             task: a module-level function.
-            jobs: with unique names.
+            jobs: jobs with unique names.
             common: files of every job, sent once to a worker.
 
         Raises: InputError if workers do not start, or run another version than this process.

@@ -189,13 +189,13 @@ def _cases_at(
     leg: Int[np.ndarray, " N"] | None = None,
 ) -> Cases:
     """Return cases at chart points, with all other numbers drawn."""
-    robot, count, m = design.robot, len(chart), design.robot.n - 1
+    robot, count = design.robot, len(chart)
+    m = robot.n - 1
     k, weight = design.leg_joints, float(robot.mass * robot.gravity)
     limit = np.asarray(design.controller.torque_limit)
     leg = rng.integers(0, 2, count) if leg is None else leg
     # Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`.
-    largest = np.repeat([0.05, 0.5], m)
-    eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * largest
+    eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * np.repeat([0.05, 0.5], m)
     pair, previous = drawn_commands(design, count, rng)
     x, outputs, slopes, step = lifted(design, chart, eta, pair)
     q, dq = np.split(x, 2, axis=1)
@@ -207,8 +207,7 @@ def _cases_at(
     force = weight * np.where(stands, rng.uniform(0.3, 1.5, (count, 1)), swinging)
     time_us = rng.integers(0, 2**31, count)
     blend_s = np.where(rng.uniform(size=count) < 0.7, 0.0, 0.25)
-    unlimited = 1e9  # Torque rate [N m/s] that never binds.
-    rate_limit = np.where(rng.uniform(size=count) < 0.5, unlimited, 1e4)
+    rate_limit = np.where(rng.uniform(size=count) < 0.5, 1e9, 1e4)  # 1e9 N m/s never binds.
     joints = qpos[:, state_map.joints]
     away = rng.uniform(-0.05, 0.05, (count, 2, k))
     signs = np.array(robot.layout.leg_joint_signs)

@@ -32,7 +32,7 @@ class ConditionQuery:
     """One condition of a spec, with the boxes on which it must hold.
 
     Attributes:
-        name: of the condition.
+        name: name of the condition.
         file: the name in file names, which differs from all others on any disk.
         region: name of the region that the boxes make up.
         axes: meaning of the elements of X. [n]

@@ -65,14 +65,17 @@ def names(design: Design) -> dict[str, str | int]:
         "ankles": int(robot.feet is not None),
         "law_count": len(design.controllers),
         **({} if origin.joints_sha256 is None else {"joints_sha256": origin.joints_sha256}),
-        **_standing_counts(design),
+        "has_standing": int(standing_postures(design.robot) is not None),
+        "stand_knots": len(_postures(design).path),
         **(rows if design.commands else {}),
     }
 
 
 def numbers(design: Design) -> list[Number]:
     """Return the numbers that have a unit."""
-    robot, controller, safe = design.robot, design.controller, design.safeguard
+    robot = design.robot
+    controller = design.controller
+    safe = design.safeguard
     stance, layout = controller.stance, design.robot.layout
     weight = float(robot.mass * robot.gravity)
     smallest = SMALLEST_DENOMINATOR * float(robot.mass) * robot.leg_length
@@ -126,7 +129,9 @@ def numbers(design: Design) -> list[Number]:
 
 def arrays(design: Design) -> list[Array]:
     """Return the arrays of real numbers."""
-    robot, controller, layout = design.robot, design.controller, design.robot.layout
+    robot = design.robot
+    controller = design.controller
+    layout = design.robot.layout
     low, high = joint_ranges(robot)
     bounds, estimator = controller.bounds, Estimator()
     pitch_row = np.stack([np.asarray(measurement.pitch_row(robot, leg)) for leg in (0, 1)])
@@ -182,8 +187,3 @@ def _postures(design: Design) -> StandingPostures:
 def _leg_gains(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]:
     """Return a gain for each joint of a leg: the smaller of both legs, lowest joint first."""
     return np.min(np.abs(design.by_leg(np.array(gains))), axis=0)
-
-
-def _standing_counts(design: Design) -> dict[str, int]:
-    postures = standing_postures(design.robot)
-    return {"has_standing": int(postures is not None), "stand_knots": len(_postures(design).path)}

@@ -56,7 +56,7 @@ class Design:
     Attributes:
         robot: the model the controller believes in.
         gait: policy and region, or a family of them that takes commands.
-        controllers: by name of the law; alike but for the law.
+        controllers: controllers by name of the law; alike but for the law.
         safeguard: thresholds of faults.
         origin: origin of the design.
         monitor: sets that are proved of the gait; None without.

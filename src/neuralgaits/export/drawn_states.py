@@ -15,7 +15,7 @@ from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
-_AT_ONCE = 2048
+_BATCH = 2048
 """Number of cases computed together; another number would compile the code again."""
 
 
@@ -23,7 +23,7 @@ def steps_of(
     design: Design, count: int, seed: int
 ) -> tuple[Float[np.ndarray, "N 2 p"], Float[np.ndarray, "N s"]]:
     """Return commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
-    pair, _ = drawn_commands(design, min(count, _AT_ONCE), np.random.default_rng([seed, 1]))
+    pair, _ = drawn_commands(design, min(count, _BATCH), np.random.default_rng([seed, 1]))
     commands, numbers = np.stack(pair, axis=1), _numbers(design, pair)
     return (
         np.resize(commands, (count, *commands.shape[1:])),
@@ -39,7 +39,7 @@ def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.
 def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
     policy, residual = design.gait.policy, design.controller.reset_residual
     count = len(pair.before)
-    rows = max(count, _AT_ONCE)
+    rows = max(count, _BATCH)
     whole = Pair(*(np.resize(side, (rows, *side.shape[1:])) for side in pair))
     return np.asarray(parameters_of_pairs(policy, design.robot, residual, whole))[:count]
 
@@ -77,7 +77,7 @@ def lifted(
     def lift(*cases: np.ndarray) -> tuple[Array, Array, Array, Array]:
         return _lift(design.gait, design.commands, robot, residual, list(cases))
 
-    return in_blocks(lift, _AT_ONCE, chart, eta, *map(np.asarray, pair))
+    return in_blocks(lift, _BATCH, chart, eta, *map(np.asarray, pair))
 
 
 @quick_filter_jit

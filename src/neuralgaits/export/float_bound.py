@@ -13,6 +13,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits._types import Float
 from neuralgaits.programs import Program, evaluate
@@ -67,8 +68,8 @@ class RoundingAlgebra(Algebra[RoundedValue]):
         error = np.abs(column.astype(np.float32).astype(np.float64) - column)
         return RoundedValue(column, column, error)
 
+    @override
     def move(self, operands: Sequence[RoundedValue], index: np.ndarray) -> RoundedValue:
-        """Select elements of the concatenated operands."""
         batch = max(operand.error.shape[1] for operand in operands)
         wide = [
             [np.broadcast_to(part, (part.shape[0], batch)) for part in operand]
@@ -229,7 +230,7 @@ def largest_errors(
         program: the Program to bound.
         lows: smallest inputs, by name.
         highs: largest inputs, by name.
-        cuts: how many parts each element of an input is cut into; others stay whole.
+        cuts: number of parts that each element of an input is cut into; others stay whole.
 
     Returns: by output, a bound on the error of each element over the whole box.
     """

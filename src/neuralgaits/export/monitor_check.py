@@ -50,9 +50,9 @@ class MonitorAnswers(NamedTuple):
     """Answers about N states, from C or from Python."""
 
     inside: np.ndarray
-    """For each level. [N, levels]"""
+    """Whether the state is in the set of each level. [N, levels]"""
     margin: np.ndarray
-    """For each level. [N, levels]"""
+    """Smallest margin of each level's set. [N, levels]"""
     nearest: np.ndarray
     """Place of the smallest margin's name, for each level. [N, levels]"""
     margins: list[np.ndarray]

@@ -26,7 +26,7 @@ def check_models(design: Design, files: Mapping[str, bytes], states: int) -> "pa
     Args:
         design: source of the models.
         files: models by file name.
-        states: how many states.
+        states: number of states.
 
     Returns: a record without the place of the files; `max_abs_error` and `latency_us` are
         those of the model in double precision.

@@ -18,6 +18,7 @@ from neuralgaits.runs.atomic import (
 from neuralgaits.runs.outputs import refuse_folder_of_run
 
 _EXPORTER_ONLY = frozenset(("check.c", "check_monitor.c"))
+"""Files with which an export is compared with Python; no controller has them."""
 _MONITOR_FILES = frozenset(("monitor.h", "monitor.c"))
 """Files that only a gait with a proof has."""
 _ADAPTATION_FILES = frozenset(("adapt.h", "adapt.c"))

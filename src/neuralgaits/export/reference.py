@@ -49,7 +49,9 @@ class Results(NamedTuple):
 
 def results_of(design: Design, rows: np.ndarray) -> Results:
     """Split rows that C wrote into `Results`."""
-    m, p, joints = design.robot.n - 1, len(design.commands), 2 * design.leg_joints
+    m = design.robot.n - 1
+    p = len(design.commands)
+    joints = 2 * design.leg_joints
     sizes = [p, p, p, design.gait.policy.step_size]
     scalars = 8  # Columns of `Results` that are one number a case.
     widths = [1] * scalars + [2, m, m, m, joints, joints, *sizes]

@@ -32,11 +32,11 @@ class StandingPostures(NamedTuple):
     """Postures of a robot that starts and stops, as coordinates q with the front leg in stance."""
 
     path: Float[np.ndarray, "K n"]
-    """From standing to where the first step begins [rad]."""
+    """Postures from standing to where the first step begins [rad]."""
     wide: Float[np.ndarray, "2 n"]
-    """Where a walk ends, with the feet far apart: leaning back, and forward [rad]."""
+    """Postures at the end of a walk, with the feet far apart: leaning back, and forward [rad]."""
     braking: Float[np.ndarray, " n"]
-    """At the touchdown before that, with the rear leg in stance [rad]."""
+    """Posture at the touchdown before that, with the rear leg in stance [rad]."""
 
     @classmethod
     def none_of(cls, n: int) -> "StandingPostures":
@@ -54,15 +54,15 @@ def _postures_at(robot: PlanarBiped, height: float) -> StandingPostures | None:
     """Return the postures with the hip at a height, as `Stand.height`; None if there are none."""
     path, sway = [], []
     guess = None
-    # The path from standing to the first step, which begins with the centre of mass over the foot.
+    # From standing to the first step, which begins with the centre of mass over the front foot.
     for ahead in np.linspace(-0.5, 0.0, 9):
-        guess = posture(robot, Stand(0.40, height, float(ahead)), guess)
+        guess = posture(robot, Stand(spacing=0.40, height=height, ahead=float(ahead)), guess)
         if guess is None:
             return None
         path.append(guess)
     # Where the last step ends, and the two ends of how far the centre of mass goes afterwards.
     for ahead in (-0.6, -0.7, -0.3):
-        guess = posture(robot, Stand(0.50, height, ahead), path[0])
+        guess = posture(robot, Stand(spacing=0.50, height=height, ahead=ahead), path[0])
         if guess is None:
             return None
         sway.append(guess)

@@ -28,7 +28,7 @@ def robot_of_step(model: Model, step: Gait, errors: Float[Array, " k"]) -> Plana
     Args:
         model: a robot, or those of a box around it.
         step: step of a gait; one that takes a lean latched it at the beginning of the step.
-        errors: of the robot's parameters; with such a step, of the lean alone (m).
+        errors: errors of the robot's parameters; with such a step, of the lean alone (m).
     """
     commands = step.policy.step
     if commands is None or LEAN not in commands.names:

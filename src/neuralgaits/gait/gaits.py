@@ -76,7 +76,7 @@ class Gait(eqx.Module):
 
     @property
     def stride(self) -> Number:
-        """How far z1 goes in a step [m]."""
+        """Distance that z1 goes in a step [m]."""
         start, guard = self.span
         return guard - start
 

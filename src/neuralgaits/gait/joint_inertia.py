@@ -14,7 +14,7 @@ from neuralgaits.robots import PlanarBiped
 
 @dataclass(frozen=True, eq=False)
 class JointResponse:
-    """How a robot's joints give way to torques in a nominal posture; computed when it is asked for.
+    """Response of a robot's joints to torques in a nominal posture, computed on demand.
 
     Attributes:
         robot: the biped.
@@ -41,7 +41,7 @@ class JointResponse:
 
     @property
     def slowest_mode(self) -> float:
-        """How much slower all joints together give way under such gains than one alone.
+        """Slowest frequency of all joints together under such gains, over that of one joint alone.
 
         With the stiffness I w^2, I of `inertia`, the linearised errors have the natural frequencies
         w sqrt(eigenvalues of (D^-1)_aa diag(I)), the least of which is the legs' buckling under the

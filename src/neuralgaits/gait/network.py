@@ -24,8 +24,8 @@ class Network(eqx.Module):
     """A fully connected network with one activation and a linear last layer.
 
     Attributes:
-        weights: one [out, in] matrix a layer.
-        biases: one [out] vector a layer.
+        weights: matrix of each layer. [out, in] each.
+        biases: vector of each layer. [out] each.
         activation: key of `activations.ACTIVATIONS`.
     """
 

@@ -96,7 +96,7 @@ class AbstractPolicy(eqx.Module):
             robot: whose impact it is matched to.
             pair: commands of the step before and of this one. [p] each
             reset_residual: corrects that impact.
-            exact: one smooth formula of the pair, for proofs.
+            exact: whether to return one smooth formula of the pair, for proofs.
         """
         del robot, pair, reset_residual, exact
         return self

@@ -100,10 +100,14 @@ def hip_indices(robot: "PlanarBiped") -> tuple[int, ...]:
 
 def walking_posture(robot: "PlanarBiped") -> Posture:
     """Bounds and starting point for a walking policy on this robot."""
-    m, hips, length = robot.n - 1, hip_indices(robot), robot.leg_length
+    m = robot.n - 1
+    hips = hip_indices(robot)
+    length = robot.leg_length
     lower, upper, side = _knee_bounds(robot)
     # Knee angles of a leg at the guard, all together [rad].
-    guard, slopes, bend = 0.40 * side, np.zeros(m), np.zeros(m)
+    guard = 0.40 * side
+    slopes = np.zeros(m)
+    bend = np.zeros(m)
     slopes[: hips[0]], slopes[hips[-1] + 1 :] = STANCE_KNEE_SLOPE, SWING_KNEE_SLOPE
     bend[hips[-1] + 1 :] = KNEE_LIFT
     # Legs of three links share one knee's bend between their two.

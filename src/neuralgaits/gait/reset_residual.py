@@ -106,7 +106,7 @@ def rates_after(
         q: coordinates after the impact [rad]. [n]
         dq: rates after the model's impact [rad/s]. [n]
         correction: per unit of z2 before the impact.
-        z2: before the impact [kg m^2/s].
+        z2: momentum before the impact [kg m^2/s].
 
     Returns: [n] (rad/s).
     """

@@ -2,6 +2,7 @@
 
 import jax
 from jaxtyping import Array, Float
+from typing_extensions import override
 
 from neuralgaits._types import Actuated, Scalar, ZeroState
 from neuralgaits.errors import SpecError
@@ -50,8 +51,8 @@ class ThirdOrderPolicy(AbstractPolicy):
         return self.value + self.first @ off + 0.5 * (curved @ off)
 
     @property
+    @override
     def z1_range(self) -> tuple[Scalar, Scalar]:
-        """z1 at the start of a step and at the guard (m)."""
         return self.range
 
     def trainable(self) -> "ThirdOrderPolicy":

@@ -50,7 +50,8 @@ def problem(
     rows, ends = casadi.SX.sym("rows", m * (degree + 1)), casadi.SX.sym("ends", 2)
     zeta, targets = casadi.SX.sym("zeta", count), casadi.SX.sym("told", 2)
     speed, smoothing = targets[0], targets[1]
-    equal, constraints, slopes, paces, powers = [], [], [], [], []
+    equal, constraints = [], []
+    slopes, paces, powers = [], [], []
     for k, phase in enumerate(mesh.phases):
         quantities = step.along(rows, ends, phase, zeta[k])
         slopes.append(quantities["slope"])
@@ -70,37 +71,41 @@ def problem(
     constraints += [value for name, value in end.items() if name not in end_equations]
     # Largest share of zeta that an impact may leave: on outputs of z1 alone that is the slope of
     # the Poincare map, which must be below one for an attracting orbit.
-    most_kept = 0.95
-    constraints.append(most_kept - end["zeta"] / zeta[count - 1])
+    constraints.append(0.95 - end["zeta"] / zeta[count - 1])
     length, height = end["foot"][0], end["foot"][1]
     # Sizes of the foot's height [m] and of rates [rad/s] in the equations, so that all are alike.
-    foot_scale = 0.1
-    rate_scale = 10.0
     equal += [
-        height / foot_scale,
+        height / 0.1,
         end["z1"] - ends[0],
         end["zeta"] - zeta[0],
         end["outputs"],
-        end["rates"] / rate_scale,
+        end["rates"] / 10.0,
         length - speed * casadi.dot(weights, pace),
     ]
     weight = float(robot.mass * robot.gravity)
     cost = casadi.dot(weights, pace * power) / (weight * length)
     equations, margins = (casadi.vertcat(*map(casadi.vec, each)) for each in (equal, constraints))
-    none, many = np.zeros(equations.shape[0]), margins.shape[0]
     symbols = {
         "x": casadi.vertcat(rows, ends, zeta),
         "p": targets,
         "f": cost,
         "g": casadi.vertcat(equations, margins),
     }
-    # In scales, at the nodes, so that each condition holds between them, too.
-    margin = 0.02
-    g_bounds = (
-        np.concatenate([none, np.full(many, margin)]),
-        np.concatenate([none, np.full(many, np.inf)]),
-    )
+    g_bounds = _equations_and_margins(equations.shape[0], margins.shape[0])
     return NonlinearProgram(symbols, _bounds(robot, count, degree), g_bounds)
+
+
+def _equations_and_margins(
+    equations: int, margins: int
+) -> tuple[Float[np.ndarray, " g"], Float[np.ndarray, " g"]]:
+    """Return bounds on both: equations are 0, margins as large as is asked for, or larger."""
+    none = np.zeros(equations)
+    # In scales, at the nodes, so that each condition holds between them, too.
+    least = 0.02
+    return (
+        np.concatenate([none, np.full(margins, least)]),
+        np.concatenate([none, np.full(margins, np.inf)]),
+    )
 
 
 def _bounds(

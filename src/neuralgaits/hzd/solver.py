@@ -72,7 +72,9 @@ class Optimiser:
 
         Raises: ConvergenceError if IPOPT ends without one.
         """
-        start_time, x, count = time.perf_counter(), self._start(speed), 0
+        start_time = time.perf_counter()
+        x = self._start(speed)
+        count = 0
         low, high = self._problem.x_bounds
         least, most = self._problem.g_bounds
         # Powers below which |power| is rounded off [W], for one solution after the other.

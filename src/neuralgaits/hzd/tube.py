@@ -33,7 +33,7 @@ def fit_tube(zd: ZeroDynamics, spec: GaitSpec, walk: Steady) -> Tube:
     Args:
         zd: zero dynamics of a policy of z1 alone.
         spec: the spec `hzd`.
-        walk: its orbit.
+        walk: periodic orbit of the gait.
     """
     start, guard = float(walk.z[0, 0]), float(walk.z[-1, 0])
     bare = empty_tube(zd.robot, (start, guard))

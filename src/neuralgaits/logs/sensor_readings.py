@@ -1,6 +1,5 @@
 """States computed from the sensors of many rows by the run's model: q, dq, z, desired outputs."""
 
-from functools import partial
 from typing import NamedTuple
 
 import equinox as eqx
@@ -8,8 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._blocks import in_blocks
-from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._blocks import in_blocks_of
 from neuralgaits._types import Actuated, Array, Float, Int, ZeroState
 from neuralgaits.control import Measurement
 from neuralgaits.control.law import MeasuredState
@@ -19,7 +17,6 @@ from neuralgaits.control.pd import Pd
 from neuralgaits.control.saturation import ZeroStateBounds, momenta_of_walking, zero_state_bounds
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.posture import momentum_unit
-from neuralgaits.logs.zero_states import BLOCK
 from neuralgaits.robots import PlanarBiped
 
 
@@ -44,14 +41,22 @@ class States(NamedTuple):
     z: Float[np.ndarray, "k 2"]
     """States of the zero dynamics (m, kg m^2/s)."""
     dz: Float[np.ndarray, "k 2"]
-    """Their rates (m/s, N m)."""
+    """Rates of those states (m/s, N m)."""
 
 
+@in_blocks_of(2048)
 def feet_apart(
-    robot: PlanarBiped, pitch: Float[np.ndarray, " k"], angles: Float[np.ndarray, "k 2 j"]
-) -> Float[np.ndarray, " k"]:
+    robot: PlanarBiped, pitch: Float[Array, " k"], angles: Float[Array, "k 2 j"]
+) -> Float[Array, " k"]:
     """Return how far the foot of leg 1 is ahead of that of leg 0 (m). [k]."""
-    return in_blocks(partial(_feet_apart, robot), BLOCK, np.column_stack([pitch, _flat(angles)]))
+
+    def one(pitch: Array, angles: Array) -> Array:
+        both = angles.reshape(-1)
+        still = [jnp.zeros(1), both, jnp.zeros_like(both), jnp.zeros(2)]
+        reading = _reading(robot, jnp.concatenate([pitch[None], *still]))
+        return robot.swing_foot(coordinates(robot, reading, jnp.zeros((), int))[0])[0]
+
+    return jax.vmap(one)(pitch, angles)
 
 
 def states(
@@ -66,15 +71,15 @@ def states(
     parts = (stance, pinned, sensed.pitch, sensed.dpitch, _flat(sensed.angles))
     x = np.column_stack([*parts, _flat(sensed.rates), velocity]).astype(np.float64)
     n = robot.n
-    blocks = in_blocks(partial(_states, robot), BLOCK, x)
-    return States(*np.split(blocks, [n, 2 * n, 2 * n + 2], axis=1))
+    return States(*np.split(_states(robot, x), [n, 2 * n, 2 * n + 2], axis=1))
 
 
+@in_blocks_of(2048)
 def stance_first(
-    robot: PlanarBiped, stance: Int[np.ndarray, " k"], by_leg: Float[np.ndarray, "k 2 j"]
-) -> Float[np.ndarray, "k m"]:
+    robot: PlanarBiped, stance: Int[Array, " k"], by_leg: Float[Array, "k 2 j"]
+) -> Float[Array, "k m"]:
     """Reorder values of joints by leg to the order of the actuated coordinates. [k, m]."""
-    return in_blocks(partial(_stance_first, robot), BLOCK, np.column_stack([stance, _flat(by_leg)]))
+    return jax.vmap(lambda leg, values: stance_joints(robot.layout, values, leg))(stance, by_leg)
 
 
 def desired_outputs(
@@ -88,7 +93,7 @@ def desired_outputs(
     """
     momenta = momenta_of_walking(momentum_unit(robot))
     policy_at = _PolicyAtRows(robot, policy, zero_state_bounds(policy, momenta))
-    parts = in_blocks(partial(_desired_outputs, policy_at), BLOCK, np.concatenate([*of], axis=1))
+    parts = _desired_outputs(policy_at, np.concatenate([*of], axis=1))
     m = robot.n - 1
     return parts[:, :m], parts[:, m:]
 
@@ -111,18 +116,7 @@ def _reading(robot: PlanarBiped, row: Array) -> Measurement:
     )
 
 
-@quick_filter_jit
-def _feet_apart(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, " b"]:
-    def one(row: Array) -> Array:
-        pitch, angles = row[:1], row[1:]
-        still = [jnp.zeros(1), angles, jnp.zeros_like(angles), jnp.zeros(2)]
-        reading = _reading(robot, jnp.concatenate([pitch, *still]))
-        return robot.swing_foot(coordinates(robot, reading, jnp.zeros((), int))[0])[0]
-
-    return jax.vmap(one)(rows)
-
-
-@quick_filter_jit
+@in_blocks_of(2048)
 def _states(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b d"]:
     def one(row: Array) -> Array:
         reading = _reading(robot, row[2:])
@@ -134,21 +128,13 @@ def _states(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b d"
     return jax.vmap(one)(rows)
 
 
-@quick_filter_jit
-def _stance_first(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b m"]:
-    def one(row: Array) -> Array:
-        return stance_joints(robot.layout, row[1:].reshape(2, -1), row[0].astype(int))
-
-    return jax.vmap(one)(rows)
-
-
 class _PolicyAtRows(eqx.Module):
     robot: PlanarBiped
     policy: AbstractPolicy
     bounds: ZeroStateBounds
 
 
-@quick_filter_jit
+@in_blocks_of(2048)
 def _desired_outputs(
     policy_at: _PolicyAtRows, rows: Float[Array, "b c"]
 ) -> Float[Array, "b two_m"]:

@@ -33,7 +33,7 @@ class State(NamedTuple):
     q: Float[np.ndarray, " n"]
     """Coordinates of the stance leg [rad]. [n]"""
     dq: Float[np.ndarray, " n"]
-    """Their rates [rad/s]. [n]"""
+    """Rates of the coordinates [rad/s]. [n]"""
 
 
 @dataclass(frozen=True, eq=False)

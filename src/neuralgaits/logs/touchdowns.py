@@ -34,7 +34,7 @@ def touchdowns(strides: Sequence[Stride], zd: ZeroDynamics) -> Touchdowns:
     """Collect the touchdowns that end the strides, seen before and after.
 
     Args:
-        strides: those without a landing are skipped.
+        strides: strides of a log; those without a landing are skipped.
         zd: robot and policy that walked, which define z and eta.
     """
     n = zd.robot.n

@@ -107,7 +107,7 @@ def evaluate(
     """Evaluate a Program.
 
     Args:
-        program: what to evaluate.
+        program: Program to evaluate.
         inputs: what the algebra's `enter` takes for each input name.
         algebra: the rules.
         folded: the result of `fold`, as values of this algebra; computed if absent.
@@ -135,7 +135,7 @@ def results(
     """Yield the number and value of every input, and of every operation that depends on one.
 
     Args:
-        program: what to evaluate.
+        program: Program to evaluate.
         inputs: what the algebra's `enter` takes for each input name.
         algebra: the rules.
         folded: the result of `fold`, as values of this algebra.

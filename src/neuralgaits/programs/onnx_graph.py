@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from onnx import GraphProto, NodeProto, TensorProto, ValueInfoProto, helper, numpy_helper
+from typing_extensions import override
 
 from neuralgaits.errors import SpecError
 from neuralgaits.programs.evaluation import Algebra, evaluate, fold
@@ -40,9 +41,9 @@ class Tensor:
     """One value: the name of a flat tensor in the graph.
 
     Attributes:
-        name: in the graph; for a constant, the preferred one.
+        name: name in the graph; for a constant, the preferred one.
         size: number of elements.
-        array: of a constant, which joins the graph where it is read. [size]
+        array: numbers of a constant, which joins the graph where it is read. [size]
     """
 
     name: str
@@ -57,7 +58,7 @@ class OnnxAlgebra(Algebra[Tensor]):
     Attributes:
         real: float64 or float32.
         reserved: names that no constant may have.
-        nodes: of the graph so far.
+        nodes: nodes of the graph so far.
         constants: initialisers by name.
     """
 
@@ -124,13 +125,13 @@ class OnnxAlgebra(Algebra[Tensor]):
             product = self._note("Add", names, rows * columns)
         return self._reshape(product, (rows * columns,))
 
+    @override
     def sum(self, a: Tensor, size: int) -> Tensor:
-        """Sum the rows of `a` reshaped to [size, ...]."""
         table, axis = self._read(a, (size, a.size // size)), self._integers(np.array([1]), "axis")
         return self._note("ReduceSum", [table, axis], size, keepdims=0)
 
+    @override
     def inner(self, a: Tensor, b: Tensor, size: int) -> Tensor:
-        """Return row-wise inner products of two matrices."""
         return self.sum(self.elementwise("mul", a, b), size)
 
     def elementwise(self, kind: str, *operands: Tensor) -> Tensor:
@@ -185,8 +186,8 @@ def graph(
     """Write a Program as a graph.
 
     Args:
-        program: to write; its inputs and outputs keep their names and shapes.
-        name: of the graph.
+        program: Program to write; its inputs and outputs keep their names and shapes.
+        name: name of the graph.
         real: float64 or float32, of every number in it.
         about: descriptions of inputs and outputs, with units, by name.
 

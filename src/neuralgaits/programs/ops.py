@@ -23,8 +23,8 @@ class OperationKind:
     """Kind of operation of a Program.
 
     Attributes:
-        name: in a Program.
-        operands: how many it takes, `ANY` for one or more.
+        name: name in a Program.
+        operands: number of operands, `ANY` for one or more.
         formula: the result y, with n its size, in terms of operands a, b, c.
         elementwise: whether result i depends on element i of the operands only.
         commutative: whether operands may be exchanged without changing a bit.
@@ -75,8 +75,8 @@ def rule(rules: Mapping[str, R], kind: str, values: str) -> R:
     """Return the rule of an algebra for an elementwise operation.
 
     Args:
-        rules: of the algebra, by kind.
-        kind: of the operation.
+        rules: rules of the algebra, by kind.
+        kind: kind of the operation.
         values: name of the algebra's values, for the message.
 
     Raises: SpecError if it has none.

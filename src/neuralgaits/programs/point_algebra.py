@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits.errors import InputError
 from neuralgaits.programs.evaluation import Algebra
@@ -60,8 +61,8 @@ class PointAlgebra(Algebra[np.ndarray]):
         """Return the constant as one column, shared by the batch."""
         return array[:, None]
 
+    @override
     def move(self, operands: Sequence[np.ndarray], index: np.ndarray) -> np.ndarray:
-        """Gather rows of the concatenated operands."""
         # A method `take` of few rows takes a quarter of the time of an index in brackets.
         if len(operands) == 1:
             return operands[0].take(index, axis=0)
@@ -87,12 +88,12 @@ class PointAlgebra(Algebra[np.ndarray]):
             product = product + offset
         return product.reshape(-1, batch)
 
+    @override
     def sum(self, a: np.ndarray, size: int) -> np.ndarray:
-        """Sum the rows of `a` reshaped to [size, ...]."""
         return a.reshape(size, -1, a.shape[1]).sum(axis=1)
 
+    @override
     def inner(self, a: np.ndarray, b: np.ndarray, size: int) -> np.ndarray:
-        """Return row-wise inner products of two matrices."""
         return self.sum(a * b, size)
 
     def elementwise(self, kind: str, *operands: np.ndarray) -> np.ndarray:

@@ -46,7 +46,7 @@ class Operation:
     """One operation, see `ops`.
 
     Attributes:
-        kind: its name in `ops.KINDS`.
+        kind: name of its kind in `ops.KINDS`.
         operands: numbers of earlier values.
         size: number of elements of the result.
         index: positions in the concatenated operands; for `move` only. [size]

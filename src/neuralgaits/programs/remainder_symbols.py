@@ -70,11 +70,11 @@ def values_with_symbols(
     """Choose the values of a Program whose remainders get symbols.
 
     Args:
-        program: of u, over which boxes are given, its first input; a second one is in the unit
-            ball.
+        program: Program of u, over which boxes are given, its first input; a second one is in the
+            unit ball.
         low: lower corner of the region in which boxes are. [n]
         high: upper corner. [n]
-        remainders: those of the algebra that is to have symbols.
+        remainders: remainders in the algebra that is to have symbols.
 
     Returns: their numbers; none where none helps, or where nothing has a bound.
     """
@@ -141,7 +141,9 @@ class _Evaluations:
 
     def greedy(self) -> Iterator[int]:
         """Yield values while there are symbols left for one that helps."""
-        program, numbers, left = self.program, [], most_symbols(self.program)
+        program = self.program
+        numbers = []
+        left = most_symbols(self.program)
         # Off zero the gain of one symbol counts: a large value would leave room for nothing else.
         off_zero = len(program.inputs) > 1
         remainders = self.remainders(numbers)

@@ -21,8 +21,7 @@ from dataclasses import dataclass
 import jax
 import numpy as np
 
-from neuralgaits._blocks import in_blocks
-from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._blocks import in_blocks_of
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Int
 from neuralgaits.logs import Log, Stride
 from neuralgaits.robots.constants import MjcfLayout
@@ -43,10 +42,10 @@ class JointWindows:
     """Equations of one joint of both legs: N windows.
 
     Attributes:
-        names: of the joint in the robot file, one for each leg.
-        features: of rotor inertia (rad/s^2), dry friction (sign), damping (rad/s), and the delay
-            of the torques (N m/s). [N, 4]
-        torque: that rotor and friction account for [N m]. [N]
+        names: names of the joint in the robot file, one for each leg.
+        features: factors of rotor inertia (rad/s^2), dry friction (sign), damping (rad/s), and the
+            delay of the torques (N m/s). [N, 4]
+        torque: torque that rotor and friction account for [N m]. [N]
         stride: index of each window's stride. [N]
         phase: number that is the same for windows at the same place of a stride. [N]
     """
@@ -75,7 +74,7 @@ def joint_windows(
     """Return the equations of every joint, lowest first, left and right joint together.
 
     Args:
-        layout: of a robot file on point feet.
+        layout: layout of a robot file on point feet.
         links: model of the links.
         strides: pieces of walks with the logs that they are from.
     """
@@ -103,7 +102,7 @@ def _stride_windows(
     """Return features, torques, stride and phase of the windows of each actuated joint."""
     t, q, dq = stride.t, stride.q, stride.dq
     tau = log.tau[np.searchsorted(log.t, t)]
-    momenta, forces = _links(links, q, dq)
+    momenta, forces = _momenta_and_forces(links, q, dq)
     starts = _starts(stride)
     # Rows by windows: weights of rows, of their slopes, and of the torque from a row to the next.
     area = 0.5 * (np.diff(t, append=t[-1]) + np.diff(t, prepend=t[0]))
@@ -151,15 +150,9 @@ def _weights(
     return sine**4, 4.0 * np.pi / WINDOW_S * sine**3 * cosine
 
 
-def _links(
-    links: LinkMomenta, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
-) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "k m"]]:
-    """Return momenta and generalised forces dL/dq of the actuated joints, without rotors."""
-    return in_blocks(lambda *rows: _momenta_and_forces(links, *rows), 4096, q, dq)
-
-
-@quick_filter_jit
+@in_blocks_of(4096)
 def _momenta_and_forces(
     links: LinkMomenta, q: Float[Array, "k n"], dq: Float[Array, "k n"]
 ) -> tuple[Float[Array, "k m"], Float[Array, "k m"]]:
+    """Return momenta and generalised forces dL/dq of the actuated joints, without rotors."""
     return jax.vmap(links)(q, dq)

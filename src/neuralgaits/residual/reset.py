@@ -4,24 +4,19 @@ A walk has few touchdowns, so the correction is affine in z before the impact, i
 Slopes are shrunk as if one more touchdown had shown that there are none.
 """
 
-from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._blocks import in_blocks
-from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._blocks import in_blocks_of
 from neuralgaits._types import Array, Float
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.logs import Touchdowns
 from neuralgaits.residual.shooting import Rate, model_rate, shoot
-
-BLOCK = 64
-"""Touchdowns evaluated together: one compiled shape for any number of them."""
 
 
 class Landings(NamedTuple):
@@ -38,7 +33,7 @@ def landings(zd: ZeroDynamics, touchdowns: Touchdowns) -> Landings:
     # None as a correction of zero: one compilation for both.
     reset = zd.reset_residual or ResetResidual.like(zd.robot.n - 1)
     whole = ZeroDynamics(zd.robot, zd.policy, zd.residual, reset)
-    z, eta = in_blocks(partial(_predicted, whole), BLOCK, touchdowns.z_before, touchdowns.after_s)
+    z, eta = _predictions(whole, touchdowns.z_before, touchdowns.after_s)
     return Landings(touchdowns.z_after - z, touchdowns.eta_after - eta)
 
 
@@ -57,9 +52,7 @@ def fit_reset(zd: ZeroDynamics, touchdowns: Touchdowns) -> ResetResidual | None:
         return None
     plain = ZeroDynamics(zd.robot, zd.policy, zd.residual)
     missed = landings(plain, touchdowns).z
-    desired = in_blocks(
-        partial(_wanted, plain), BLOCK, touchdowns.z_before, missed, touchdowns.eta_after
-    )
+    desired = _corrections(plain, touchdowns.z_before, missed, touchdowns.eta_after)
     factor = 2.0  # Bound on a correction, as a multiple of the largest one seen.
     least_bound = 1e-6  # Smallest bound, per unit of z2: a bound of zero has no inverse.
     bound = np.maximum(factor * np.abs(desired).max(axis=0), least_bound)
@@ -74,7 +67,8 @@ def fit_reset(zd: ZeroDynamics, touchdowns: Touchdowns) -> ResetResidual | None:
     return ResetResidual(weight, offset, scale, centre / scale, bound)
 
 
-def _predict(
+@in_blocks_of(64)
+def _predictions(
     zd: ZeroDynamics, z: Float[Array, "N 2"], after_s: Float[Array, " N"]
 ) -> tuple[Float[Array, "N 2"], Float[Array, "N two_m"]]:
     flow = _flow(zd)
@@ -89,7 +83,8 @@ def _predict(
     return jax.vmap(one)(z, after_s)
 
 
-def _want(
+@in_blocks_of(64)
+def _corrections(
     zd: ZeroDynamics,
     z: Float[Array, "N 2"],
     missed: Float[Array, "N 2"],
@@ -107,10 +102,6 @@ def _want(
         return jnp.concatenate([missed[1:], rates]) / momentum_of(z)
 
     return jax.vmap(one)(z, missed, eta)
-
-
-_predicted = quick_filter_jit(_predict)
-_wanted = quick_filter_jit(_want)
 
 
 def _flow(zd: ZeroDynamics) -> Rate:

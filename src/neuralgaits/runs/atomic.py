@@ -32,7 +32,7 @@ def destination(path: Path, remedy: str = _EITHER) -> Path:
 
     Args:
         path: path of the file.
-        remedy: what to do if something else is in its place.
+        remedy: advice if something else is in its place.
 
     Raises: InputError on anything but a regular file; OSError if the system refuses to look.
     """

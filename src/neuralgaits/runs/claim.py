@@ -40,7 +40,8 @@ def claim(out: Path | None, root: Path, name: str, seed: int, *, what: str, conf
 def _place(out: Path | None, root: Path, name: str, seed: int, *, what: str, config: str) -> Path:
     """Make the folder of `claim`, or find it empty."""
     if out is None:
-        return _fresh(root / _file_name(name), seed)
+        file_name = re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-")
+        return _fresh(root / (file_name or "robot"), seed)
     refuse_taken(out, what=what, config=config).mkdir(parents=True, exist_ok=True)
     return out
 
@@ -112,7 +113,3 @@ def _fresh(parent: Path, seed: int) -> Path:
             time.sleep(0.05)
         else:
             return path
-
-
-def _file_name(name: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-") or "robot"

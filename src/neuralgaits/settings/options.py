@@ -59,7 +59,9 @@ class Settings:
     def __post_init__(self) -> None:
         hints = typing.get_type_hints(type(self), include_extras=True)
         for field in fields(self):
-            name, value, hint = field.name, getattr(self, field.name), hints[field.name]
+            name = field.name
+            value = getattr(self, field.name)
+            hint = hints[field.name]
             if value is field.default:
                 continue
             refuse_huge(name, value)
@@ -75,7 +77,9 @@ def words_of(settings: Any, kind: type | None = None) -> list[str]:
         kind: class whose fields to write; that of the object if None.
     """
     kind = kind or type(settings)
-    marks, alone, options = marks_of(kind), list[str](), list[str]()
+    marks = marks_of(kind)
+    alone = list[str]()
+    options = list[str]()
     for field in fields(kind):
         value = getattr(settings, field.name)
         if field.name not in marks or value is None or value == field.default:

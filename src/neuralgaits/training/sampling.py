@@ -50,7 +50,7 @@ class Sampler(NamedTuple):
         Args:
             regions: name to boxes of the chart.
             counts: name to number of samples.
-            overshoot: how far samples reach beyond the edges of (phase, level), per axis.
+            overshoot: reach of samples beyond the edges of (phase, level), per axis.
             commands: commands of the gait, two axes each.
             corners: see `Recipe`.
             widened: see `Recipe`.
@@ -58,7 +58,10 @@ class Sampler(NamedTuple):
             strip: see `Recipe`.
             parameters: half widths of the robot's parameters, one axis each.
         """
-        lows, highs, rows, position = [], [], {}, 0
+        lows = []
+        highs = []
+        rows = {}
+        position = 0
         for name, count in counts.items():
             for box, share in zip(regions[name], _shares(regions[name], count), strict=True):
                 low, high = _stretched(box, overshoot, strip)

@@ -82,7 +82,9 @@ def start_of(run: Run, trainer: Trainer) -> TrainState:
     """Return the last checkpoint if there is one, else the initial state."""
     if (run.path / STATE).is_file():
         return run.folder.read_tree(STATE, trainer.init(run.trained))
-    config, recipe, gait = run.config, run.spec.recipe, run.trained
+    config = run.config
+    recipe = run.spec.recipe
+    gait = run.trained
     cold = START not in run.folder.copies
     if cold and config.init == "posture" and recipe.posture_steps and isinstance(gait, Gait):
         key = jax.random.fold_in(jax.random.key(config.seed), 1)

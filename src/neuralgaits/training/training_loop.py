@@ -70,11 +70,13 @@ class GradientSteps:
             state: state to continue from.
             save: writes a checkpoint.
             before: steps of the run that came before those of this trainer.
-            deadline: on the clock of `time.monotonic` [s].
+            deadline: time on the clock of `time.monotonic` [s].
 
         Raises: NonFiniteError where smaller steps do not help either.
         """
-        saved, best, count = time.perf_counter(), state, 1
+        saved = time.perf_counter()
+        best = state
+        count = 1
         while not trainer.done(state) and time.monotonic() < deadline:
             start_time, first = time.perf_counter(), int(state.step)
             ahead = min(VALIDATE_EVERY - first % VALIDATE_EVERY, trainer.steps - first)

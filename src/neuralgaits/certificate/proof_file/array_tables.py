@@ -12,9 +12,9 @@ def array_table(
     """Return arrays by name: as the name of an identical Program constant, else as numbers.
 
     Args:
-        owner: of the arrays; the Program calls them OWNER.NAME.
-        arrays: by name; None stays None.
-        constants: of the Program, by name.
+        owner: owner of the arrays; the Program calls them OWNER.NAME.
+        arrays: arrays by name; None stays None.
+        constants: constants of the Program, by name.
     """
     table: dict[str, Any] = {}
     for name, value in arrays.items():

@@ -76,8 +76,8 @@ class CheckResult:
         statements: each statement of the file in words.
         levels: the conclusions of the levels above 1 that the file claims.
         unclaimed: conditions that are not claimed on all of their region.
-        boxes: how many boxes were bounded.
-        boxes_in_balls: how many of them were bounded in balls.
+        boxes: number of boxes that were bounded.
+        boxes_in_balls: number of those that were bounded in balls.
         holds: whether every statement holds and every claimed level follows, complete or not.
     """
 

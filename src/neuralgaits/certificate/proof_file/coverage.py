@@ -43,7 +43,7 @@ class SpecOutline:
 
     Attributes:
         regions: boxes by name.
-        conditions: by name.
+        conditions: conditions by name.
     """
 
     regions: Mapping[str, tuple[tuple[Corner, Corner], ...]]

@@ -65,11 +65,13 @@ class DoubleBounds:
 
         Args:
             program: Program whose outputs the statement is about.
-            statement: what is to be shown.
+            statement: statement to be shown.
             symbols: first symbols of the values whose remainders have symbols.
             balls: the Program's constant values in balls, as `fold` gives them.
         """
-        self._program, self._symbols, self._balls = program, symbols, balls
+        self._program = program
+        self._symbols = symbols
+        self._balls = balls
         self._algebra = DoubleAlgebra.of(program, symbols)
         with np.errstate(all="ignore"):
             self._folded = fold(program, self._algebra)

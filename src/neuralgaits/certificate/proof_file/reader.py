@@ -70,7 +70,7 @@ class Statement:
 
     Attributes:
         conditions: outputs of the Program.
-        region: its name in the spec.
+        region: name of its region in the spec.
         scales, bounds: by condition; scales > 0, bounds of a spec's conditions >= 0.
         degree: degree of the Taylor models, 1 or 2.
         low, high: corners of the root box. [n] each

@@ -54,7 +54,9 @@ class PieceBounder:
         trees: Sequence[Corners],
         arithmetic: Arithmetic,
     ):
-        self._program, self._statements, self._trees = program, statements, trees
+        self._program = program
+        self._statements = statements
+        self._trees = trees
         self._arithmetic: Arithmetic = arithmetic
         self._checkers: dict[int, StatementCheck] = {}
 
@@ -107,7 +109,10 @@ def bound_all(
     pieces, here = pieces_of(trees), PieceBounder(program, statements, trees, arithmetic)
     total = sum(piece.leaves for piece in pieces)
     count = min(cores(), 8) if total > FEW else 1
-    answer, boxes, in_balls, done = PieceResult("holds", None, 0, 0), 0, 0, 0
+    answer = PieceResult("holds", None, 0, 0)
+    boxes = 0
+    in_balls = 0
+    done = 0
     with contextlib.ExitStack() as stack:
         processes = [
             stack.enter_context(
@@ -115,12 +120,12 @@ def bound_all(
             )
             for k in range(1, count)
         ]
-        for piece, found in zip(pieces, _ordered_answers(pieces, here, processes), strict=False):
-            boxes, in_balls = boxes + found.boxes, in_balls + found.boxes_in_balls
+        for piece, result in zip(pieces, _ordered_answers(pieces, here, processes), strict=False):
+            boxes, in_balls = boxes + result.boxes, in_balls + result.boxes_in_balls
             done += piece.leaves
-            if answer.verdict == "holds" or found.verdict == "rejected":
-                answer = found
-            if found.verdict == "rejected":
+            if answer.verdict == "holds" or result.verdict == "rejected":
+                answer = result
+            if result.verdict == "rejected":
                 break
             if progress is not None:
                 progress(done, total)
@@ -136,7 +141,7 @@ def _ordered_answers(
     for number, piece in enumerate(pieces):
         place, turn = divmod(number, count)
         other = processes[turn - 1] if turn else None
-        while number not in results and not (other and len(other.found) > place):
+        while number not in results and not (other and len(other.results) > place):
             ahead = next(next_own, None)
             if ahead is not None:
                 results[ahead] = here(pieces[ahead])
@@ -144,14 +149,14 @@ def _ordered_answers(
                 results[number] = here(piece)
             else:
                 other.wait()
-        yield results.pop(number) if number in results else other.found[place]  # pyright: ignore[reportOptionalMemberAccess]
+        yield results.pop(number) if number in results else other.results[place]  # pyright: ignore[reportOptionalMemberAccess]
 
 
 class OtherProcess:
     """A process that bounds every `count`-th piece from `turn` on.
 
     Attributes:
-        found: its results so far, in the order of its pieces.
+        results: results so far, in the order of its pieces.
     """
 
     def __init__(
@@ -162,7 +167,7 @@ class OtherProcess:
         count: int,
         arithmetic: Arithmetic,
     ):
-        self.found: list[PieceResult] = []
+        self.results: list[PieceResult] = []
         task = {
             "program": program.to_json(),
             "statements": [asdict(statement) for statement in statements],
@@ -207,7 +212,7 @@ class OtherProcess:
             process.stdin.write(task)
             process.stdin.close()
             for line in process.stdout:
-                self.found.append(PieceResult(*json.loads(line)))
+                self.results.append(PieceResult(*json.loads(line)))
 
 
 def _bound_share(task: dict[str, Any]) -> Iterator[PieceResult]:

@@ -50,7 +50,9 @@ class StatementCheck:
         symbols: Symbols = NO_SYMBOLS,
         arithmetic: Arithmetic = "doubles",
     ):
-        self.program, self.statement, self.symbols = program, statement, symbols
+        self.program = program
+        self.statement = statement
+        self.symbols = symbols
         self.algebra = BallAlgebra(statement.degree)
         self.folded = fold(program, self.algebra)
         self.doubles = None
@@ -77,9 +79,9 @@ class StatementCheck:
         """Return a check that evaluates only the operations of the statement's conditions.
 
         Args:
-            program: of the proof file.
-            statement: to be checked.
-            leaves: how many leaves it has.
+            program: Program of the proof file.
+            statement: statement that is checked.
+            leaves: number of its leaves.
             arithmetic: "balls" for boxes that are all bounded in balls.
         """
         part = prune(program, statement.conditions)

@@ -31,7 +31,7 @@ def confirmed_conditions(
     A refuted one has none there, and the point that was recorded: nobody evaluates it again here.
 
     Args:
-        conditions: those of the summary, by name.
+        conditions: conditions of the summary, by name.
         proof: the run's proof file, if there is one.
         in_part: names of conditions that are proved for some of the gait's commands.
 

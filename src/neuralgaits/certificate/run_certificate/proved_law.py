@@ -32,7 +32,7 @@ def law_proofs(
 
     Args:
         run: the run.
-        certificate: its certificate.
+        certificate: certificate of the run.
         controllers: controllers by the names of their laws.
 
     Returns: one for each law; none if level 5 is not proved of the run.

@@ -42,12 +42,14 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
 
     Args:
         run: the run.
-        certificate: its certificate; read if None.
+        certificate: certificate of the run; read if None.
 
     Raises: SpecError if the sets cannot be traced.
     """
     reading = certificate or read_certificate(run.folder)
-    proof, summary, levels = reading.proof, reading.summary, proved_levels(reading)
+    proof = reading.proof
+    summary = reading.summary
+    levels = proved_levels(reading)
     if proof is None or summary is None or not levels:
         return None
     if place_of(run.trained.commands, LEAN) is not None:

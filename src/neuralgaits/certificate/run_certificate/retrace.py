@@ -34,7 +34,7 @@ class RunDescription(TypedDict):
         regions, conditions: of the spec, as a model has them, by name.
         barriers, carried: names of the conditions of level 2.
         told: names of the gait's commands.
-        chart: of all values that the commands may have, as a proof file has it.
+        chart: chart of all values that the commands may have, as a proof file has it.
         full_order: names of the barriers of level 4.
     """
 
@@ -139,8 +139,8 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> Ru
 
     Args:
         run: its folder.
-        theorems: of the proof.
-        chart: of the proof: which parameters of the robot are inputs of its Program.
+        theorems: theorems of the proof.
+        chart: chart of the proof: which parameters of the robot are inputs of its Program.
 
     If the barriers of level 4 are not the theorems', no Program is traced.
 

@@ -67,8 +67,8 @@ class RunProof:
     """Result of a proof of a run, before it is written.
 
     Attributes:
-        verdicts: on the conditions of the spec (level 1).
-        conclusions: of the requested levels above 1.
+        verdicts: verdicts on the conditions of the spec (level 1).
+        conclusions: conclusions of the requested levels above 1.
         reason: why something is not decided; None if all is.
         reached: highest level that is proved of the scope, which may be part of the commands.
         sets: sets of the levels above 1.
@@ -110,10 +110,10 @@ def prove_run(
 
     Args:
         run: the run.
-        scope: what is to be proved.
+        scope: statements to prove.
         disturbance: bounds on the disturbance of dz at level 2 (m/s, N m).
-        control: what is assumed of the controller at levels 4 and 5.
-        effort: how long, and by whom.
+        control: assumptions about the controller at levels 4 and 5.
+        effort: time and workers of the search.
 
     Raises: RunError if there are no boxes to resume from; SearchInterrupted for KeyboardInterrupt
         after the search, with its boxes in the folder.

@@ -29,7 +29,7 @@ class Scope:
         box: box of robots and floors, half widths by kind; empty for the robot of the file alone.
         within: narrower ranges of commands; None for all that the gait takes.
         spec: the run's, for the robots of the box.
-        narrowed: that spec with these ranges of its commands.
+        narrowed: spec with these ranges of its commands.
         chart: these ranges and the axes of the box.
     """
 

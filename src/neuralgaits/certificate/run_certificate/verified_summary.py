@@ -53,7 +53,7 @@ class ProvedPart(NamedTuple):
 
     Attributes:
         sequences: these commands, one phrase each.
-        conditions: those that are proved on all of their region.
+        conditions: conditions that are proved on all of their region.
         levels: levels above 1 that follow.
     """
 

@@ -31,8 +31,8 @@ def with_axis_costs(
         problem: conditions and root.
         tree: boxes so far.
         work: leaves that are to be halved. [W]
-        lacking: how far the bounds on them fall short of their targets; 0 where they do not. [W, C]
-        deadline: on the clock of `time.monotonic` [s].
+        lacking: distance of the bounds from their targets; 0 where they reach them. [W, C]
+        deadline: time on the clock of `time.monotonic` [s].
         bound_all: bounds batches of boxes.
     """
     boxes = tree.unmeasured(work)

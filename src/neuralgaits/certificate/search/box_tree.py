@@ -24,10 +24,10 @@ class PendingBoxes:
     """Facts about boxes that may yet be halved, which no others need.
 
     Attributes:
-        number: of each box in the tree, ascending. [K]
+        number: number of each box in the tree, ascending. [K]
         low, high: corners. [K, n]
-        cuts: how often each axis was halved to make the box. [K, n]
-        costs: of each axis: how far insufficient bounds are below the value at the centre if
+        cuts: number of halvings of each axis that made the box. [K, n]
+        costs: cost of each axis: how far insufficient bounds are below the value at the centre if
             only this axis keeps its width; inf if unknown or unbounded, -inf for an axis without
             width. [K, n]
     """
@@ -75,9 +75,9 @@ class BoxTree:
         first: number of the lower half, the upper one following it; -1 without halves. [N]
         axis: axis that is halved; -1 without halves. [N]
         depth: number of halvings that made each box. [N]
-        lower: no point of the box has a smaller margin; -inf if unknown. [N, C]
+        lower: lower bound of the margins in the box; -inf if unknown. [N, C]
         upper: every point of the box has a margin at most this; inf if unknown. [N, C]
-        pending: what is needed of boxes that may yet be halved.
+        pending: facts about boxes that may yet be halved.
     """
 
     low_corner: Float[np.ndarray, " n"]
@@ -177,7 +177,7 @@ class BoxTree:
             boxes: corners of the halves, of `halves_of`.
             lower: bounds on them from below. [2P, C]
             upper: bounds on them from above. [2P, C]
-            keep: which of the halves may be halved again; all if None. [2P]
+            keep: halves that may be halved again; all if None. [2P]
         """
         if not len(parents):
             return self

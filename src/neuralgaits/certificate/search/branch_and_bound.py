@@ -116,7 +116,7 @@ def search(
         phase: "decide" for the sign of the margins, "tighten" for their size.
         most: largest number of boxes of the root.
         turn: largest number of boxes to add.
-        deadline: on the clock of `time.monotonic` [s].
+        deadline: time on the clock of `time.monotonic` [s].
         progress: called after each round.
         bound_all: bounds the batches of a round; None for one after the other, in this process.
     """

@@ -116,7 +116,7 @@ class OpenBoxes:
     Attributes:
         region: region of the root.
         low, high: corners in the chart. [B, n]
-        failing: how many of them each condition has, if any.
+        failing: number of them that each condition has, if any.
     """
 
     region: str

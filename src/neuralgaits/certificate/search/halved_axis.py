@@ -33,8 +33,8 @@ def axis_to_halve(
         problem: conditions and root.
         tree: boxes so far, with the costs of their axes.
         work: leaves that are to be halved.
-        lacking: how far the bounds on them fall short of their targets; 0 where they do not.
-        deadline: on the clock of `time.monotonic` [s]; after it no halving is tried.
+        lacking: distance of the bounds from their targets; 0 where they reach them.
+        deadline: time on the clock of `time.monotonic` [s]; after it no halving is tried.
         bound_all: bounds batches of boxes.
     """
     axis = tree.best_axis(work)
@@ -52,7 +52,9 @@ def axis_to_halve(
     strong = [a for a in tree.axes if a < len(problem.low) - problem.weak_axes]
     if not len(tried) or not strong:
         return axis
-    low, high, short = here.low[tried], here.high[tried], lacking[tried] > 0.0
+    low = here.low[tried]
+    high = here.high[tried]
+    short = lacking[tried] > 0.0
     reached = _after_halving(problem, low, high, short, strong, deadline, bound_all)
     if reached is None:
         return axis
@@ -98,8 +100,8 @@ def _after_halving(
         low: lower corners. [T, n]
         high: upper corners. [T, n]
         short: conditions whose bounds are insufficient. [T, C]
-        axes: those that are tried. [k]
-        deadline: on the clock of `time.monotonic` [s].
+        axes: axes that are tried. [k]
+        deadline: time on the clock of `time.monotonic` [s].
         bound_all: bounds batches of boxes.
 
     Returns: in scales, -inf without a bound; None if there was no time.

@@ -65,7 +65,7 @@ def to_text(first: np.ndarray, axis: np.ndarray, leaf: np.ndarray) -> str:
     Args:
         first: number of each node's lower half, the upper one following it; -1 without. [N]
         axis: along which each node is halved. [N]
-        leaf: where to stop. Every node without halves must be one. [N]
+        leaf: nodes at which to stop. Every node without halves must be one. [N]
     """
     text, stack = [], [0]
     while stack:

@@ -23,6 +23,7 @@ Bounds = tuple[np.ndarray, np.ndarray]
 BoundAll = Callable[["Problem", Sequence[Boxes]], Generator[Bounds, None, None]]
 """Function that yields bounds on the boxes of each batch, in order."""
 INPUT = "u"
+"""Name of a Program's first input: the point of the chart."""
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,7 @@ def explore(
         problems: one for each root.
         states: states of an earlier search; None to start.
         confirm: see `search`.
-        deadline: on the clock of `time.monotonic` [s].
+        deadline: time on the clock of `time.monotonic` [s].
         progress: called after each round.
         bound_all: see `search`.
 

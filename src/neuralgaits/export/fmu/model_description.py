@@ -69,13 +69,7 @@ def model_description(
         for name in sources:
             ET.SubElement(files, "File", {"name": name})
     _units(root, variables)
-    categories = ET.SubElement(root, "LogCategories")
-    log_categories = {
-        "logStatusError": "calls that are refused, always logged",
-        "logEvents": "faults of the controller",
-    }
-    for name, text in log_categories.items():
-        ET.SubElement(categories, "Category", {"name": name, "description": text})
+    _log_categories(root)
     ET.SubElement(root, "DefaultExperiment", {"startTime": "0.0", "stepSize": period})
     if three:
         _variables3(root, variables)
@@ -86,6 +80,17 @@ def model_description(
         _variables2(root, variables)
         _structure2(root, variables)
     return _document(root)
+
+
+def _log_categories(root: ET.Element) -> None:
+    """Add the kinds of messages that the FMU logs."""
+    categories = ET.SubElement(root, "LogCategories")
+    described = {
+        "logStatusError": "calls that are refused, always logged",
+        "logEvents": "faults of the controller",
+    }
+    for name, text in described.items():
+        ET.SubElement(categories, "Category", {"name": name, "description": text})
 
 
 def build_description(model: str, sources: Sequence[str]) -> str:

@@ -83,7 +83,7 @@ class CommandedPolicy(NetworkPolicy):
 
         Args:
             robot: sets bounds and scales.
-            commands: at least one.
+            commands: commands of the family, at least one.
             key: random key of the network.
             hidden: widths of the hidden layers.
             activation: activation of the network.
@@ -147,12 +147,12 @@ class CommandedPolicy(NetworkPolicy):
     def guard(
         self, robot: "PlanarBiped", command: Float[Array, " p"], *, bounded: bool = False
     ) -> Guard:
-        """Where a step ends at this command, the swing foot on its foothold.
+        """Return the end of a step at this command, the swing foot on its foothold.
 
         Args:
-            robot: whose foot it is.
-            command: of the step.
-            bounded: of `at`.
+            robot: robot whose foot it is.
+            command: command of the step.
+            bounded: as in `at`.
         """
         basis = powers(self.scaled(command))
         z1 = basis @ self.guard_z1

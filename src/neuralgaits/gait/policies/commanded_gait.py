@@ -36,7 +36,7 @@ class CommandedGait(eqx.Module):
             robot: whose impact it is matched to.
             v: point of the commands' axes, see `Command.axes`.
             reset_residual: corrects that impact.
-            exact: of `AbstractPolicy.at`.
+            exact: as in `AbstractPolicy.at`.
         """
         return self.of_pair(robot, pair_at(self.commands, v), reset_residual, exact=exact)
 

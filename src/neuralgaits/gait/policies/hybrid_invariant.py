@@ -16,6 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
+from typing_extensions import override
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.gait.ankle import AnkleTorque
@@ -118,8 +119,8 @@ class HybridInvariantPolicy(StepPolicy):
         )
         return _match(policy, robot)
 
+    @override
     def ankle_torque(self, z: ZeroState) -> Scalar | None:
-        """Torque of the stance ankle, positive forward (N m); None for a robot on point feet."""
         if self.ankle is None:
             return None
         return self.ankle(z if self.z2_dependence else z * jnp.array([1.0, 0.0]))
@@ -141,13 +142,13 @@ class HybridInvariantPolicy(StepPolicy):
         return (rest * rest) * near + (phase * phase) * far
 
     @property
+    @override
     def step(self) -> Step | None:
-        """Commands of this step; None for a gait without commands."""
         return self.step_commands
 
     @property
+    @override
     def steady_next(self) -> "HybridInvariantPolicy":
-        """The policy of the next step, if the command stays."""
         return self if self.then is None else self.then
 
     def match_impact(

@@ -82,7 +82,7 @@ def on_foothold(
         robot: the biped.
         z_guard: z1 there (m).
         outputs: near them, [m] (rad).
-        foothold: where the foot has to be.
+        foothold: place where the foot has to be.
         steps: number of Newton's steps.
     """
     hip = hip_indices(robot)[-1]

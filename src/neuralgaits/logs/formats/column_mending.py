@@ -38,7 +38,9 @@ class ColumnMending:
 
     def __init__(self, text: Text, robot: PlanarBiped, policy: AbstractPolicy | None):
         """Keep the log, and the policy that walked, for outputs that the file lacks."""
-        self._text, self._robot, self._policy = text, robot, policy
+        self._text = text
+        self._robot = robot
+        self._policy = policy
         most_rows = 1500  # Rows of a log that are looked at, but for the checks: a few steps.
         self._short = replace(text, cells=text.cells[:most_rows])
 

@@ -47,11 +47,11 @@ def read(
     """Read a log of a robot.
 
     Args:
-        path: of a CSV or MCAP file: the project's own format, or that of the AMBER-3M robot, or
+        path: CSV or MCAP file: the project's own format, or that of the AMBER-3M robot, or
             with `columns` any other.
         robot: the run's own model, whose joints and z the log must have.
         columns: file that describes the columns of a robot's own log: see `column_file`.
-        policy: that walked; it gives the desired outputs that a robot's own log lacks.
+        policy: policy that walked; it gives the desired outputs that a robot's own log lacks.
         mend: where a log with `columns` is refused, look for the one sign or zero of them with
             which it fits, for some seconds, and name it.
 
@@ -126,10 +126,10 @@ def read_all(
     """Read several logs. Returns: the logs, and the rows left out of all of them by reason.
 
     Args:
-        paths: at least one.
+        paths: paths of logs, at least one.
         robot: the run's own model.
         columns: file that describes their columns; as for `read`.
-        policy: that walked; as for `read`.
+        policy: policy that walked; as for `read`.
         mend: name what would mend the columns; as for `read`.
 
     Raises: InputError as `read` does, if there is no path, and for a walk that is given twice: its

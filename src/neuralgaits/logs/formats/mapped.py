@@ -41,7 +41,7 @@ def read(
         text: text of the file.
         robot: the run's own model.
         columns: description of its columns.
-        policy: that walked, for desired outputs that the file lacks.
+        policy: policy that walked, for desired outputs that the file lacks.
 
     Raises: InputError for a missing column, for a broken row, for contacts that name no leg, and
     where desired outputs are needed and cannot be computed.

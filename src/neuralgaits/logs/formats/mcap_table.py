@@ -24,7 +24,7 @@ def table_of(path: Path, columns: Sequence[str]) -> Text:
     Raises: InputError in one line for a file that is none, is damaged, or has no such messages.
     """
     with opened(path) as file:
-        first = _first_fields(file)
+        first = {topic: fields_of(one.content) for topic, one in file.first_messages().items()}
         if not first:
             raise _empty(file)
         topic_of = {f"{topic}.{field}": topic for topic, row in first.items() for field in row}
@@ -37,11 +37,6 @@ def table_of(path: Path, columns: Sequence[str]) -> Text:
         main = max(dict.fromkeys(topics), key=topics.count)
         cells = list(_cells(_rows(file, main, set(topics)), columns))
     return Text(path, tuple(columns), cells, head="its messages")
-
-
-def _first_fields(file: McapFile) -> dict[str, Row]:
-    """Return the numbers in the first message of each topic."""
-    return {topic: fields_of(one.content) for topic, one in file.first_messages().items()}
 
 
 def _empty(file: McapFile) -> InputError:

@@ -18,9 +18,9 @@ class Sheet:
     """Header and numbers of a CSV file.
 
     Attributes:
-        path: of the file.
+        path: path of the file.
         header: cells of the first row; empty if that row holds numbers.
-        numbers: of all other rows, empty lines left out; none is NaN or infinite. [k, c]
+        numbers: numbers of all other rows, empty lines left out; none is NaN or infinite. [k, c]
         rows: number of each row in the file, counted from 1. [k]
     """
 
@@ -35,9 +35,9 @@ class Text:
     """Cells of a CSV file, or of what was made a table.
 
     Attributes:
-        path: of the file.
+        path: path of the file.
         header: cells of the first row; empty if that row holds numbers.
-        cells: of the other rows, each with its number in the file.
+        cells: cells of the other rows, each row with its number in the file.
         head: place of the header, for messages.
     """
 

@@ -36,7 +36,7 @@ class SignCheck:
 
         Args:
             log: log as the file of columns has it.
-            columns: that file.
+            columns: what the columns of the log are.
 
         Raises: InputError with the columns and their signs.
         """
@@ -94,7 +94,7 @@ class SignCheck:
 
 
 class _Doubt(NamedTuple):
-    """How far a log is from what signs must give."""
+    """Distance of a log from what its signs must give."""
 
     off: float | None
     """Share of the momentum's balance; None without a step to judge by."""

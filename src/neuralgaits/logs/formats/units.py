@@ -9,7 +9,7 @@ class Dimension(NamedTuple):
     """Physical dimension of a quantity, and its units.
 
     Attributes:
-        name: for messages.
+        name: name for messages.
         units: SI value of one of each unit, the SI unit first.
     """
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from flint import arb, arb_mat
+from typing_extensions import override
 
 from neuralgaits.programs.algebras import ball_functions as functions
 from neuralgaits.programs.algebras.ball_model import BallModel, Balls, Key, plus, times
@@ -63,12 +64,12 @@ class BallAlgebra(Algebra[BallModel]):
             terms[-1, first + row] = term
         return BallModel(terms)
 
+    @override
     def constant(self, array: np.ndarray) -> BallModel:
-        """Return exactly these doubles, on every box."""
         return BallModel({(): _balls(array[:, None])})
 
+    @override
     def move(self, operands: Sequence[BallModel], index: np.ndarray) -> BallModel:
-        """Gather elements, which is exact."""
         if len(operands) == 1:
             return _without_zeros({key: term[index] for key, term in operands[0].terms.items()})
         batch = max(part.constant.shape[1] for part in operands)
@@ -104,15 +105,15 @@ class BallAlgebra(Algebra[BallModel]):
             terms[()] = terms[()] + offset.constant[np.repeat(np.arange(rows), columns)]
         return BallModel(terms)
 
+    @override
     def sum(self, a: BallModel, size: int) -> BallModel:
-        """Sum the rows of `a` reshaped to [size, ...]."""
         shape = (size, -1, a.constant.shape[1])
         return BallModel(
             {key: np.add.reduce(term.reshape(shape), axis=1) for key, term in a.terms.items()}
         )
 
+    @override
     def inner(self, a: BallModel, b: BallModel, size: int) -> BallModel:
-        """Return row-wise inner products of two matrices."""
         return self.sum(self.mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: BallModel) -> BallModel:

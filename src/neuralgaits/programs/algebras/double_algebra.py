@@ -16,6 +16,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits.programs.algebras.double_functions import POINT_FUNCTIONS, UNIT
 from neuralgaits.programs.algebras.double_model import TINY, DoubleModel, TermLayout, raised
@@ -39,7 +40,7 @@ class DoubleAlgebra(Algebra[DoubleModel]):
 
         Args:
             axes: number of elements of u.
-            named: how many symbols stand for remainders (`programs/remainder_symbols.py`).
+            named: number of symbols that stand for remainders (`programs/remainder_symbols.py`).
         """
         self.layout = TermLayout(axes, named)
 
@@ -80,12 +81,12 @@ class DoubleAlgebra(Algebra[DoubleModel]):
         most = raised(value.most + value.radius)
         return DoubleModel(terms, np.zeros(shape), self.layout, most)
 
+    @override
     def constant(self, array: np.ndarray) -> DoubleModel:
-        """Return exactly these doubles, on every box."""
         return self._exact(array[None, :, None])
 
+    @override
     def move(self, operands: Sequence[DoubleModel], index: np.ndarray) -> DoubleModel:
-        """Gather elements, which is exact."""
         if len(operands) == 1:
             (a,) = operands
             return self._model(a.terms[:, index], a.radius[index], a.most[index])
@@ -134,8 +135,8 @@ class DoubleAlgebra(Algebra[DoubleModel]):
         radius = raised((radius + 4.0 * count * UNIT * most) * grown)
         return self._model(terms, radius, raised(most * grown))
 
+    @override
     def inner(self, a: DoubleModel, b: DoubleModel, size: int) -> DoubleModel:
-        """Return row-wise inner products of two matrices."""
         return self.sum(self.mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: DoubleModel) -> DoubleModel:

@@ -107,7 +107,7 @@ class DoubleModel:
     Attributes:
         terms: coefficients. [terms, size, batch]
         radius: bounds r on the remainders. [size, batch]
-        layout: what the coefficients belong to.
+        layout: layout of the coefficients.
         most: bounds on the sum of all coefficients' magnitudes. [size, batch]
     """
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
@@ -33,8 +34,8 @@ class SymbolAlgebra(Algebra[Any]):
         """Return a CasADi column that keeps the array's zeros structural."""
         return self.casadi.SX(self.casadi.sparsify(self.casadi.DM(array)))
 
+    @override
     def move(self, operands: Sequence[Any], index: np.ndarray) -> Any:
-        """Gather rows of the concatenated operands."""
         return self.casadi.vertcat(*operands)[index.tolist()]
 
     def affine(self, matrix: Any, right: Any, offset: Any | None, columns: int) -> Any:
@@ -45,12 +46,12 @@ class SymbolAlgebra(Algebra[Any]):
             product = product + self.casadi.repmat(offset, 1, columns)
         return self.casadi.vec(product.T)
 
+    @override
     def sum(self, a: Any, size: int) -> Any:
-        """Sum the rows of `a` reshaped to [size, ...]."""
         return self.casadi.sum2(self._rows(a, a.shape[0] // size))
 
+    @override
     def inner(self, a: Any, b: Any, size: int) -> Any:
-        """Return row-wise inner products of two matrices."""
         return self.sum(a * b, size)
 
     def elementwise(self, kind: str, *operands: Any) -> Any:

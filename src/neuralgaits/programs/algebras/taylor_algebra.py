@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits.programs.algebras import expansions
 from neuralgaits.programs.algebras.expansions import SLACK, ExpansionRule
@@ -42,7 +43,7 @@ class TaylorAlgebra(Algebra[Taylor]):
 
     Attributes:
         degree: 1 or 2; searches use 2 (`certificate/search/problem.py`).
-        symbols: how many symbols stand for remainders (`programs/remainder_symbols.py`).
+        symbols: number of symbols that stand for remainders (`programs/remainder_symbols.py`).
     """
 
     degree: int
@@ -77,14 +78,14 @@ class TaylorAlgebra(Algebra[Taylor]):
         poly[layout.remainders.start + first + every, every] = value.radius
         return Taylor(poly, np.zeros_like(value.radius), layout)
 
+    @override
     def constant(self, array: np.ndarray) -> Taylor:
-        """Return exactly these doubles, on every box."""
         return Taylor(
             array[None, :, None], np.zeros((array.size, 1)), CoefficientLayout(self.degree, 0)
         )
 
+    @override
     def move(self, operands: Sequence[Taylor], index: np.ndarray) -> Taylor:
-        """Gather elements, which is exact."""
         layout = max(part.layout for part in operands)
         poly, radius = operands[0].poly, operands[0].radius
         if len(operands) > 1:
@@ -118,8 +119,8 @@ class TaylorAlgebra(Algebra[Taylor]):
         wide = np.repeat(np.arange(len(offset.radius)), columns)
         return self.add(result, self.move([offset], wide))
 
+    @override
     def sum(self, a: Taylor, size: int) -> Taylor:
-        """Sum the rows of `a` reshaped to [size, ...]."""
         batch = a.radius.shape[1]
         radius = np.add.reduce(a.radius.reshape(size, -1, batch), axis=1)
         magnitude = np.add.reduce(a.bound.reshape(size, -1, batch), axis=1) + radius
@@ -127,8 +128,8 @@ class TaylorAlgebra(Algebra[Taylor]):
         count = len(a.radius) // size
         return rounded(poly, radius + count * SLACK / 16 * magnitude, a.layout)
 
+    @override
     def inner(self, a: Taylor, b: Taylor, size: int) -> Taylor:
-        """Return row-wise inner products of two matrices."""
         return self.sum(self.mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: Taylor) -> Taylor:

@@ -78,7 +78,7 @@ class Taylor:
     Attributes:
         poly: coefficients, in the order of `layout`. [terms, size, batch]
         radius: remainder bounds. [size, batch]
-        layout: what the coefficients belong to.
+        layout: layout of the coefficients.
     """
 
     poly: Float[np.ndarray, "k n B"]
@@ -142,7 +142,7 @@ def rounded(
     Args:
         poly: coefficients of the result.
         radius: a new array, which is changed.
-        layout: of the coefficients.
+        layout: layout of the coefficients.
         more: sum of the magnitudes that were added up, where they are more than the result's.
     """
     model = Taylor(poly, radius, layout)

@@ -35,7 +35,7 @@ class CFunction:
     """C text of one Program.
 
     Attributes:
-        prototype: of the function, without the semicolon.
+        prototype: prototype of the function, without the semicolon.
         body: the function.
         work: numbers in its arrays on the stack.
     """
@@ -57,7 +57,9 @@ class Writer:
         outputs: Mapping[str, Node],
         tables: Tables,
     ):
-        self._program, self._function, self._about = program, function, about
+        self._program = program
+        self._function = function
+        self._about = about
         self._layout, self._outputs = layout, outputs
         self._tables = tables
         self._read: set[str] = set()
@@ -146,7 +148,8 @@ class Writer:
 
     def _affine(self, group: Group) -> list[str]:
         """Write products with one matrix, its columns taken a few at a time."""
-        nodes, rows, inner = group.nodes, group.nodes[0].size, group.nodes[0].inner
+        nodes = group.nodes
+        rows, inner = nodes[0].size, nodes[0].inner
         lines = [f"for (int i = 0; i < {rows}; ++i) {{"]
         for node in nodes:
             start = self._element(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"
@@ -189,7 +192,8 @@ class Writer:
 
     def _product(self, node: Node) -> list[str]:
         """Write the product of two matrices."""
-        table, columns, inner = self._matrix(node), node.columns, node.inner
+        table = self._matrix(node)
+        columns, inner = node.columns, node.inner
         rows = node.size // columns
         at = f"i * {columns} + k"
         start = self._element(node.operands[2], "i") if len(node.operands) == 3 else "NG(0.0)"

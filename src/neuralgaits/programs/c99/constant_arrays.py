@@ -13,7 +13,7 @@ class Tables:
 
     Attributes:
         texts: definitions by name.
-        numbers: how many reals they hold.
+        numbers: number of reals that they hold.
     """
 
     def __init__(self, prefix: str):

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits.errors import SpecError
 from neuralgaits.programs.c99.c_writer import CFunction, Writer
@@ -55,12 +56,12 @@ class C99Algebra(Algebra[Node]):
         operands = (matrix, right) if offset is None else (matrix, right, offset)
         return self._note("affine", operands, size, columns=columns)
 
+    @override
     def sum(self, a: Node, size: int) -> Node:
-        """Record the row sums of `a` as [size, ...]."""
         return self._note("sum", (a,), size)
 
+    @override
     def inner(self, a: Node, b: Node, size: int) -> Node:
-        """Record row-wise inner products of two matrices."""
         return self._note("inner", (a, b), size)
 
     def elementwise(self, kind: str, *operands: Node) -> Node:
@@ -82,10 +83,10 @@ def emit(program: Program, function: str, about: str, tables: Tables) -> CFuncti
     """Write a Program as a C function.
 
     Args:
-        program: to write; its inputs and outputs become the arguments, flat.
-        function: its name.
+        program: Program to write; its inputs and outputs become the arguments, flat.
+        function: name of the function.
         about: description, for the comment above it.
-        tables: of the file that will hold it; its constants are added.
+        tables: tables of the file that will hold it; its constants are added.
 
     Raises: SpecError naming the operation that has no form in C.
     """

@@ -15,14 +15,14 @@ class Node:
     """One recorded value.
 
     Attributes:
-        number: of the value, in the order of evaluation.
-        kind: of the operation, or `input` or `constant`.
+        number: number of the value, in the order of evaluation.
+        kind: kind of the operation, or `input` or `constant`.
         operands: earlier values.
         size: number of elements.
-        index: of `move`, positions in the concatenated operands.
-        columns: of `affine`, columns of the right-hand matrix.
-        name: of an input or a constant.
-        array: of a constant.
+        index: positions in the concatenated operands, of a `move`.
+        columns: columns of the right-hand matrix, of an `affine`.
+        name: name of an input or a constant.
+        array: numbers of a constant.
     """
 
     number: int

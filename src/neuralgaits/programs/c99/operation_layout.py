@@ -39,8 +39,8 @@ class OperationLayout:
     """Operations in groups that run one after the other.
 
     Attributes:
-        groups: in order.
-        stored: by number of a value that is kept in an array, the number of that array.
+        groups: groups in the order of the code.
+        stored: number of the array of each value that is kept in one, by the value's number.
         slots: sizes of the arrays.
         blocks: numbers of streamed values that their products read.
     """
@@ -131,7 +131,10 @@ def _streamed(groups: list[Group], outputs: list[Node]) -> list[Group]:
     gone: set[int] = set()
     for number, group in enumerate(groups):
         for i in range(number):
-            if i in gone or group.streamed or not _read_alone(groups[i], {i, number}, readers):
+            if i in gone or group.streamed:
+                continue
+            # Values that a third group reads stay where they are.
+            if any(readers.get(node.number, set()) - {i, number} for node in groups[i].nodes):
                 continue
             if _joins(groups[i], group):
                 group.nodes[:0] = groups[i].nodes
@@ -157,10 +160,6 @@ def _readers(groups: list[Group], outputs: list[Node]) -> dict[int, set[int]]:
         for base, _ in output.bases():
             readers.setdefault(base.number, set()).add(len(groups))
     return readers
-
-
-def _read_alone(group: Group, by: set[int], readers: dict[int, set[int]]) -> bool:
-    return all(readers.get(node.number, set()) <= by for node in group.nodes)
 
 
 def _joins(early: Group, later: Group) -> bool:

@@ -19,7 +19,9 @@ class Bounder:
     """Bounds on the smallest element of some outputs over boxes of u, and a unit ball of xi."""
 
     def __init__(self, code: ProgramCode, rules: ctypes.CDLL):
-        self._rules, self._outputs, self._threads = rules, len(code.outputs), _cores()
+        self._rules = rules
+        self._outputs = len(code.outputs)
+        self._threads = min(cores(), 16)
         _arrays, arguments = code.arguments
         self._handle = rules.ng_bounder(*arguments)
 
@@ -34,8 +36,9 @@ class Bounder:
         """Create a bounder for outputs of a Program; None without compiled code.
 
         Args:
-            program: of u, over which boxes are given, and perhaps of an xi in the unit ball.
-            names: of the outputs.
+            program: Program of u, over which boxes are given, and perhaps of an xi in the unit
+                ball.
+            names: names of the outputs.
             folded: its constant values, as `fold` gives them.
             symbols: first symbols of the values whose remainders have symbols; `most_symbols`
                 at most.
@@ -68,8 +71,3 @@ def _room_for(symbols: int) -> int:
     # Numbers of symbols for which code is compiled: room for sixteen doubles the time of bounds.
     rooms = (0, 4, 8, MOST_SYMBOLS, MOST_OFF_ZERO)
     return next(room for room in rooms if symbols <= room)
-
-
-def _cores() -> int:
-    """Return the number of cores that this process may use, 16 at most."""
-    return min(cores(), 16)

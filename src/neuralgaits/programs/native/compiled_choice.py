@@ -30,7 +30,7 @@ def compiled_choice(
     """Choose the values of a Program whose remainders get symbols, like `values_with_symbols`.
 
     Args:
-        program: of u, over which boxes are given, and perhaps of an xi in the unit ball.
+        program: Program of u, over which boxes are given, and perhaps of an xi in the unit ball.
         low: lower corner of the region in which boxes are. [n]
         high: upper corner. [n]
         folded: its constant values, as `fold` gives them.

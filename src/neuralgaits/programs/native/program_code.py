@@ -26,7 +26,7 @@ class ProgramCode(NamedTuple):
         operations: kind, place and size of the result, columns, place in `index`, number of
             operands, first symbol of the result or -1, whether an operand may depend on symbols
             or xi, and (place, size) of three of them. [n, FIELDS]
-        index: of all moves: places of elements.
+        index: places of the elements of all moves.
         constants: centres and radii of all constant elements. [2, m]
         outputs: (place, size). [C, 2]
         workspace: elements that are kept at once.
@@ -65,8 +65,8 @@ def encode(
     """Encode a Program; constants have places -1 - number.
 
     Args:
-        program: of u, and perhaps of an xi in the unit ball.
-        names: of the outputs.
+        program: Program of u, and perhaps of an xi in the unit ball.
+        names: names of the outputs.
         folded: its constant values, as `fold` gives them.
         symbols: first symbols of the values whose remainders have symbols.
         reuse: whether results reuse freed places.

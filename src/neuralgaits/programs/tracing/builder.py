@@ -113,7 +113,8 @@ class Builder:
         first = int(elements[0])
         if np.all(elements == first) or np.all(elements < 0):
             return True
-        return first >= 0 and self._is_whole(elements, self._owner(first))
+        owner = bisect_right(self._starts, first) - 1
+        return first >= 0 and self._is_whole(elements, owner)
 
     def apply(
         self, kind: str, operands: Sequence[Elements], size: int, columns: int = 1
@@ -155,10 +156,6 @@ class Builder:
     def _is_whole(self, elements: Elements, number: int) -> bool:
         start, size = self._starts[number], self._nodes[number].size
         return elements.size == size and np.array_equal(elements, _count_array(size) + start)
-
-    def _owner(self, element: int) -> int:
-        """Return the node one element belongs to."""
-        return bisect_right(self._starts, element) - 1
 
     def _owners(self, elements: Elements) -> list[int]:
         """Return the nodes these elements belong to, in order of first appearance."""

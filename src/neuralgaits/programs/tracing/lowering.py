@@ -25,7 +25,9 @@ def _binary(kind: str) -> Rule:
 def integer_power(build: Builder, base: Elements, exponent: int) -> Elements:
     """Power by repeated squaring; one division at the end if the exponent is negative."""
     one = build.constant(np.ones(base.shape))
-    result, factor, left = one, base, abs(exponent)
+    result = one
+    factor = base
+    left = abs(exponent)
     while left:
         if left & 1:
             result = simplify.binary(build, "mul", result, factor)

@@ -131,9 +131,9 @@ def outside(name: str, arrays: Arrays, params: Mapping[str, Any]) -> str:
     """Describe an index that lies beyond its array, which JAX moves to the nearest end in silence.
 
     Args:
-        name: of the primitive, one of `INDEXED`.
+        name: name of the primitive, one of `INDEXED`.
         arrays: its operands: the array, then the known places.
-        params: its parameters. An index with a mode of its own (`clip`, `fill`) is meant so.
+        params: its parameters. An index with a mode (`clip`, `fill`) is meant so.
 
     Returns: words for a refusal; empty if all places are inside.
     """

@@ -26,7 +26,7 @@ def verdicts(
     Args:
         spec: spec of the run.
         searched: all roots, of conditions and of premises, with the state of their searches.
-        statements: those that the proof file has about these roots.
+        statements: the proof file's statements about these roots.
     """
     by_name = {}
     for condition in spec.conditions:
@@ -57,7 +57,11 @@ def verdict_on(name: str, roots: Sequence[Searched], margin: float | None) -> Co
         roots: problem and state of every box of its region.
         margin: the bound that the proof file claims, if it is proved everywhere.
     """
-    proved, area, boxes, unknown, counterexample = 0.0, 0.0, 0, 0, None
+    proved = 0.0
+    area = 0.0
+    boxes = 0
+    unknown = 0
+    counterexample = None
     for problem, state in roots:
         column, tree = problem.names.index(name), state.tree
         holds = tree.is_leaf & (tree.lower[:, column] >= 0.0)

@@ -27,7 +27,7 @@ from neuralgaits.certificate.levels.full_order.inequalities import (
     inlet,
     obstacle,
 )
-from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
+from neuralgaits.certificate.levels.full_order.norm_plans import GAINS, LONGEST
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
 from neuralgaits.gait.scheduled_gains import ScheduledGains
@@ -41,7 +41,7 @@ SPENT = 0.05
 
 
 def find_disturbed(
-    looks: SampleEvaluators,
+    evaluators: SampleEvaluators,
     full: FullOrderConstants,
     *,
     free_clock: bool = False,
@@ -53,10 +53,10 @@ def find_disturbed(
     Returns a sentence with the reason if there are none.
 
     Args:
-        looks: functions that evaluate the gait, in the set's norm.
+        evaluators: functions that evaluate the gait, in the set's norm.
         full: the set.
         free_clock: whether ticks may miss touchdowns.
-        gains: those of scheduled PD, if that is the law that the functions are of.
+        gains: gains of scheduled PD, if that is the law that the functions are of.
         error: bound on |S e| of torques when they are set [rad/s^2].
     """
     if full.least_radius <= 0.0:
@@ -65,36 +65,36 @@ def find_disturbed(
             "outputs inside it: no set with a least radius was found for this gait"
         )
     u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
-    seen = _Seen(looks, full, u, free_clock, error)
-    if not seen.gamma > 0.0:
+    sampled = _SampledBounds(evaluators, full, u, free_clock, error)
+    if not sampled.gamma > 0.0:
         return "under this law V is not shown to fall"
-    hold = _largest(LONGEST, lambda hold: seen.stands(hold, seen.held(hold)))
+    hold = _largest(LONGEST, lambda hold: sampled.stands(hold, sampled.held(hold)))
     hold = float(at_least(hold, DIGITS))
     if free_clock and hold == 0.0:
         return "what a torque held through an impact adds to outputs does not fit into the set"
-    held = seen.held(hold) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
+    held = sampled.held(hold) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
     assert held is not None
     # Any more that the floor bears.
-    more = seen.most(held.push[1]) - held.push[0]
-    extra = _largest(more, lambda extra: seen.stands(hold, _raised(held, extra)))
+    more = sampled.most(held.push[1]) - held.push[0]
+    extra = _largest(more, lambda extra: sampled.stands(hold, _raised(held, extra)))
     raised = _raised(held, extra)
-    kick = seen.kicked(hold, raised)
-    barriers = seen.barriers(hold, raised, kick)
+    kick = sampled.kicked(hold, raised)
+    barriers = sampled.barriers(hold, raised, kick)
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
     disturbed = DisturbedConstants(
-        raised.push, raised.peak, hold, error if hold else 0.0, *seen.jerk, barriers
+        raised.push, raised.peak, hold, error if hold else 0.0, *sampled.jerk, barriers
     )
     if free_clock:
-        assert seen.kick is not None
+        assert sampled.kick is not None
         disturbed = replace(
             disturbed,
-            **dict(zip(("kick", "kick_slope", "kick_push"), seen.kick, strict=True)),
+            **dict(zip(("kick", "kick_slope", "kick_push"), sampled.kick, strict=True)),
             kick_peak=kick.peak,
-            kick_end=seen.end_of_kick(hold),
+            kick_end=sampled.end_of_kick(hold),
         )
     if gains is not None:
-        disturbed = replace(_with_gains(disturbed, gains), decay=seen.gamma, rest=seen.rest)
+        disturbed = replace(_with_gains(disturbed, gains), decay=sampled.gamma, rest=sampled.rest)
     broken = [obstacle(step) for step in inequalities(full, disturbed) if not step.holds]
     return "; ".join(broken) if broken else disturbed
 
@@ -128,13 +128,15 @@ def _largest(most: float, stands) -> float:
     return low
 
 
-def _kick_bounds(looks: SampleEvaluators, full: FullOrderConstants) -> tuple[float, ...]:
+def _kick_bounds(evaluators: SampleEvaluators, full: FullOrderConstants) -> tuple[float, ...]:
     """Bound the error right after an impact under the torque from before, and its slopes."""
-    assert looks.kick is not None
+    assert evaluators.kick is not None
     strip = np.linspace(full.guard_from, full.ends[1], 5)
     at = grid(strip, np.linspace(0.0, 1.0, 9))
-    seen = looks.kick(at, np.zeros((len(at), looks.size)))
-    bounds = kick_bounds(seen["kick"], seen["kick/slope"], seen["kick/push"], full.guard_radius)
+    values = evaluators.kick(at, np.zeros((len(at), evaluators.size)))
+    bounds = kick_bounds(
+        values["kick"], values["kick/slope"], values["kick/push"], full.guard_radius
+    )
     return tuple(float(at_most(bound, DIGITS)) for bound in bounds)
 
 
@@ -145,12 +147,12 @@ class _Forces(NamedTuple):
     push: np.ndarray
 
 
-class _Seen:
+class _SampledBounds:
     """Effect of pushes on barriers, contact and torques at points, and growth of held errors."""
 
     def __init__(
         self,
-        looks: SampleEvaluators,
+        evaluators: SampleEvaluators,
         full: FullOrderConstants,
         u: np.ndarray,
         free_clock: bool,
@@ -159,13 +161,13 @@ class _Seen:
         self.error = error
         self.full, self.gamma = full, float(lyapunov_rate(full.bandwidth))
         self.factor = float(factor(full).upper())
-        step = looks.step(u, np.zeros((len(u), looks.size)))
+        step = evaluators.step(u, np.zeros((len(u), evaluators.size)))
         self.rate, self.h = step["rate"], step["h"]
         # |d(dh/dt)/d xi|^2 in the set, as a multiple of the largest value seen at eta = 0.
         room_of_squares = 1.12
         self.squares = room_of_squares * (step["rate/slope"] ** 2).sum(axis=2)
-        assert looks.pushed is not None
-        off = looks.pushed(u)
+        assert evaluators.pushed is not None
+        off = evaluators.pushed(u)
         self.bound = full.least_radius + (full.radius - full.least_radius) * np.exp(
             -full.shrink * u[:, 0] ** 2
         )
@@ -175,7 +177,7 @@ class _Seen:
             self.gamma = float(at_least(least_decay(off["law/slope"], full.bandwidth), DIGITS))
             # Polynomials err by waves, which a coarse grid misses.
             fine = grid(np.linspace(*full.ends, 161), np.linspace(0.0, 1.0, 17))
-            own = np.linalg.norm(looks.pushed(fine)["law"], axis=1).max()
+            own = np.linalg.norm(evaluators.pushed(fine)["law"], axis=1).max()
             # Largest error of fitted polynomials, as a multiple of the largest on a fine grid.
             room_of_fits = 1.2
             self.rest = float(at_most(room_of_fits * REST * own, DIGITS))
@@ -189,14 +191,14 @@ class _Seen:
             return float(np.sqrt((values**2).reshape(len(u), -1).sum(axis=1).max()))
 
         tight = free_clock or bool(off["law/slope"].any())
-        # Jerk of the outputs at eta = 0, as a multiple of the largest value seen.
+        # Jerk of the outputs at eta = 0, as a multiple of the largest value sampled.
         room_of_jerk = 1.03
         self.jerk = Jerk(
             float(at_most(room_of_jerk * size(off["jerk"]), DIGITS)),
             float(at_most(growth_bound(off["jerk/slope"], full.bandwidth, tight=tight), DIGITS)),
             float(at_most(push_bound(off["jerk/push"], off["law/slope"]), DIGITS)),
         )
-        self.u, self.kick = u, _kick_bounds(looks, full) if free_clock else None
+        self.u, self.kick = u, _kick_bounds(evaluators, full) if free_clock else None
 
     def held(self, hold: float) -> Held | None:
         """Bound the errors of torques that are exact when set and then held, with room."""

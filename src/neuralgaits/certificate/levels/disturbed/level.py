@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from typing_extensions import override
+
 from neuralgaits.certificate.chart import Chart, Corner
 from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
@@ -18,7 +20,9 @@ from neuralgaits.records.certified import Conclusion
 class DisturbedLevel(Level):
     """Theorem of the full order under a disturbance of the torques."""
 
-    number, part, parameters = 5, "disturbed", DisturbedConstants
+    number = 5
+    part = "disturbed"
+    parameters = DisturbedConstants
     rests_on = (4,)
     full_order = True
 
@@ -36,6 +40,6 @@ class DisturbedLevel(Level):
         """Conclude that the set of level 4 is forward invariant under the disturbance."""
         return conclude_disturbed(parameters[4], parameters[5], bounds)
 
+    @override
     def refusal(self, parameters: Parameters, chart: Chart) -> str | None:
-        """Explain why the theorem does not cover a chart, or return None."""
         return refusal_of_full_order(parameters, chart)

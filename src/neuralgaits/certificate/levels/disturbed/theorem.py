@@ -62,7 +62,7 @@ class DisturbedConstants:
         kick_end: phase that is not reached before that tick.
         torque_gains: coefficients of the feed-forward torque of `gait.scheduled_gains`, flattened,
             if the law is scheduled PD [N m]; empty for exact linearisation.
-        inertia_gains: those of its inertia [kg m^2].
+        inertia_gains: gains of its inertia [kg m^2].
         decay: V' <= -decay V under that law, but for `rest` [1/s].
         rest: bound on |S e| of that law at eta = 0 [rad/s^2].
     """

@@ -11,7 +11,7 @@ import numpy as np
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.level_target import grid
-from neuralgaits.certificate.levels.full_order.norm import Plan
+from neuralgaits.certificate.levels.full_order.norm_plans import Plan
 from neuralgaits.certificate.levels.full_order.samples import (
     SampleEvaluators,
     Samples,
@@ -30,6 +30,8 @@ CROSSINGS = (1e-9, 1e-8, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0
 """Half widths tried around the crossing of the guard at eta = 0, in phases."""
 CLEAR = 1e-12
 """Height of the foot before and behind the crossing [m]; it exceeds rounding errors."""
+LARGEST = 0.1
+"""Largest radius that is tried [rad]."""
 MARGIN = 1.08
 """Factor of a constant over the values seen at points."""
 AMPLE = 1.3
@@ -60,18 +62,14 @@ def find_full_order(
     levels = np.linspace(0.0, 1.0, LEVELS)
     u = grid(np.linspace(0.0, 1.0, 81), levels)
     samples = evaluators.step(u, np.zeros((len(u), evaluators.size)))
-    crossing, gamma = _crossing(evaluators, levels), float(lyapunov_rate(bandwidth))
-    reason = _no_set(samples, gamma, bandwidth)
-    if reason is not None:
+    gamma = float(lyapunov_rate(bandwidth))
+    if (reason := _no_set(samples, gamma, bandwidth)) is not None:
         return reason
-    if crossing is None:
-        return (
-            "the swing foot does not go through the ground everywhere within "
-            f"{CROSSINGS[-1]} phases of the guard"
-        )
+    crossing = _crossing(evaluators, levels)
+    if isinstance(crossing, str):
+        return crossing
     limit, risen = _radius(samples, u[:, 0], gamma / (4.0 * MARGIN * samples["pace"].max()))
-    largest = 0.1  # Largest radius that is tried [rad].
-    radius = float(at_least(plan.radius if plan else min(share * limit, largest), DIGITS))
+    radius = float(at_least(plan.radius if plan else min(share * limit, LARGEST), DIGITS))
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
     rate = plan.slower * gamma if plan else gamma
     most, shrink = _fastest(samples, u[:, 0], radius, floor, rate)
@@ -80,11 +78,10 @@ def find_full_order(
     if slowest <= 0.0 or strip is None:
         return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
     guard_radius = _bound_at_phase(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
-    ample = AMPLE if plan is None else plan.planned.impact
-    impacts = _Impacts.sample(evaluators, levels, crossing, strip, guard_radius, ample)
+    impacts = _Impacts.sample(evaluators, levels, crossing, strip, guard_radius, plan)
     start_strip = float(at_most(1.2 * impacts.landing_at(guard_radius), DIGITS))
     samples = _with_strips(samples, evaluators, levels, start_strip, strip)
-    rows = (_barrier(k, n, samples, impacts, gamma, radius, plan) for k, n in enumerate(names))
+    barriers = (_barrier(k, n, samples, impacts, gamma, radius, plan) for k, n in enumerate(names))
     return FullOrderConstants(
         bandwidth=bandwidth,
         radius=radius,
@@ -101,7 +98,7 @@ def find_full_order(
         gain=impacts.gain,
         landing=impacts.landing,
         landing_slope=impacts.landing_slope,
-        barriers=tuple(rows),
+        barriers=tuple(barriers),
         least_radius=floor,
         weights=plan.weights if plan else (),
     )
@@ -133,7 +130,7 @@ class _Impacts:
         crossing: float,
         strip: float,
         radius: float,
-        ample: float,
+        plan: Plan | None,
     ) -> "_Impacts":
         line = grid(np.array([1.0]), levels)
         near = grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
@@ -142,7 +139,7 @@ class _Impacts:
             evaluators.guard(line, np.zeros((len(line), evaluators.size))),
             evaluators.guard(near, np.zeros((len(near), evaluators.size))),
             evaluators.guard(edge, sphere(len(edge), evaluators.size, radius)),
-            ample,
+            AMPLE if plan is None else plan.planned.impact,
         )
 
     @property
@@ -210,15 +207,21 @@ def _fastest(
     return most, shrink
 
 
-def _crossing(evaluators: SampleEvaluators, levels: np.ndarray) -> float | None:
-    """Return the narrowest strip around phase 1 with the foot up before it and down behind it."""
+def _crossing(evaluators: SampleEvaluators, levels: np.ndarray) -> float | str:
+    """Return the narrowest strip around phase 1 with the foot up before it and down behind it.
+
+    Or a sentence that there is none.
+    """
     for width in CROSSINGS:
         before, behind = (grid(np.array([1.0 + side * width]), levels) for side in (-1, 1))
         zero = np.zeros((LEVELS, evaluators.size))
         above, below = evaluators.step(before, zero)["foot"], evaluators.step(behind, zero)["foot"]
         if above.min() > CLEAR and below.max() < -CLEAR:
             return width
-    return None
+    return (
+        "the swing foot does not go through the ground everywhere within "
+        f"{CROSSINGS[-1]} phases of the guard"
+    )
 
 
 def _radius(samples: Samples, phase: np.ndarray, shrink: float) -> tuple[float, float]:

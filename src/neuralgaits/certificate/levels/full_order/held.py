@@ -31,7 +31,7 @@ class Kick(NamedTuple):
     Attributes:
         first: right after the impact [rad/s^2].
         peak: until the tick [rad/s^2].
-        mean: in the mean until the tick [rad/s^2].
+        mean: mean until the tick [rad/s^2].
     """
 
     first: float = 0.0
@@ -141,6 +141,8 @@ def kick_bounds(
         push: their slopes in the error from before. [q, m, m]
         radius: bound on sqrt(V) before the impact [rad]. Enclosures widen with it.
     """
-    room = 1.02  # Bound on the error and on its slope in that from before, per largest one seen.
-    along = frobenius(slope) * (1.3 + 700.0 * radius)  # The slope in xi is much harder to enclose.
+    # Bounds on the error and on its slope in that from before, as a multiple of the largest seen.
+    room = 1.02
+    # Enclosures of the slope in xi widen with the radius.
+    along = frobenius(slope) * (1.3 + 700.0 * radius)
     return room * float(np.linalg.norm(kick, axis=1).max()), along, room * frobenius(push)

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from typing_extensions import override
+
 from neuralgaits.certificate.chart import Chart, Corner
 from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
@@ -23,7 +25,9 @@ def refusal_of_full_order(parameters: Parameters, chart: Chart) -> str | None:
 class FullOrderLevel(Level):
     """Theorem of the full order under exact linearisation."""
 
-    number, part, parameters = 4, "full", FullOrderConstants
+    number = 4
+    part = "full"
+    parameters = FullOrderConstants
     full_order = True
 
     def constants(self, own: FullOrderConstants) -> dict[str, tuple[float, ...]]:
@@ -40,6 +44,6 @@ class FullOrderLevel(Level):
         """Conclude that the set at full order is forward invariant."""
         return conclude_full_order(parameters[4], bounds)
 
+    @override
     def refusal(self, parameters: Parameters, chart: Chart) -> str | None:
-        """Explain why the theorem does not cover a chart, or return None."""
         return refusal_of_full_order(parameters, chart)

@@ -34,7 +34,9 @@ def weighted(weights: Weights, x: Vector) -> Vector:
     """Return S x for the upper triangular S of a norm. [m]."""
     if len(weights) == 0:
         return x
-    rows, start, size = [], 0, len(x)
+    rows = []
+    start = 0
+    size = len(x)
     for i in range(size):
         rows.append(sum(weights[start + j - i] * x[j] for j in range(i, size)))
         start += size - i

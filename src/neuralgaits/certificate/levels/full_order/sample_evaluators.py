@@ -15,7 +15,8 @@ from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.norm import Plan, find_plan, find_widest
+from neuralgaits.certificate.levels.full_order.norm import find_plan, find_widest
+from neuralgaits.certificate.levels.full_order.norm_plans import Plan
 from neuralgaits.certificate.levels.full_order.samples import (
     GaitSamples,
     SampleEvaluator,
@@ -60,7 +61,9 @@ def set_of(
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
-    evaluators, reason, w = evaluators or evaluators_of(model), "", float(model.bandwidth)
+    evaluators = evaluators or evaluators_of(model)
+    reason = ""
+    w = float(model.bandwidth)
     samples = sample_gait(evaluators, free_clock) if pushed or widest else None
     half_width = SMALL
     plan_shares = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.

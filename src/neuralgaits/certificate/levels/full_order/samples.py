@@ -76,7 +76,7 @@ class WithSlopes(NamedTuple):
 
     Attributes:
         value: the quantity. [n, k]
-        in_xi: its slope in the outputs xi. [n, k, 2m]
+        in_xi: slope in the outputs xi. [n, k, 2m]
     """
 
     value: np.ndarray
@@ -88,8 +88,8 @@ class WithPushSlopes(NamedTuple):
 
     Attributes:
         value: the quantity. [n, k]
-        in_xi: its slope in the outputs xi. [n, k, 2m]
-        in_push: its slope in what changes the outputs' acceleration. [n, k, m]
+        in_xi: slope in the outputs xi. [n, k, 2m]
+        in_push: slope in what changes the outputs' acceleration. [n, k, m]
     """
 
     value: np.ndarray

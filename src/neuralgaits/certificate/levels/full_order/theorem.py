@@ -69,9 +69,9 @@ class FullOrderConstants:
         bandwidth: w, the double pole of the outputs [rad/s].
         radius: bound on sqrt(V) at phase 0 [rad].
         shrink: at other phases the bound is floor + (radius - floor) exp(-shrink phase^2) [1].
-        guard_radius: that bound where the guard's strip begins, rounded up [rad].
+        guard_radius: the same bound where the guard's strip begins, rounded up [rad].
         start_strip, guard_strip: phases by which the tube is longer at either end.
-        crossing: at eta = 0 the foot meets the ground within this many phases of phase 1.
+        crossing: phases around phase 1 within which the foot meets the ground at eta = 0.
         risen: until this phase the swing foot rises; from it to the guard it is up.
         pace: least and most rate of the phase [1/s].
         inertia: least -J.s, the denominator of the dynamics [kg m].

@@ -80,13 +80,12 @@ def find_orbit(flow: ChartFlow, walking: WalkingSetConstants) -> OrbitProposal |
     """Return a thin tube and bounds, or a sentence with the reason why there are none.
 
     Args:
-        flow: of the gait.
+        flow: flow of the gait.
         walking: parameters of the walking set.
     """
-    degrees = (18, 24, 30, 36)  # Degrees of the orbit's series that are tried in turn.
     # Largest defect of the series in dzeta/dphase = F, as a share of the thin tube's slack.
     largest_defect = 0.1
-    for degree in degrees:
+    for degree in (18, 24, 30, 36):
         orbit = _periodic(flow, _nodes(walking, degree), degree)
         if orbit is None:
             return "no periodic orbit was found in the tube"
@@ -125,7 +124,8 @@ def find_contraction(evaluate: Evaluator, walking: WalkingSetConstants) -> Orbit
     """Return bounds on how walks part, or a sentence with the reason why there are none.
 
     Args:
-        evaluate: from points of (phase, level) to quantities, for many commands or robots at each.
+        evaluate: function from points of (phase, level) to quantities, for many commands or robots
+            at each.
         walking: parameters of the walking set.
     """
     phases, levels = np.linspace(*walking.ends, 61), np.linspace(0.0, 1.0, 5)
@@ -186,7 +186,9 @@ def _thin(flow: ChartFlow, walking: WalkingSetConstants, orbit: "_Orbit") -> _Th
         secants = _secants(flow, orbit, nodes)
         further = largest * np.exp(over_a_step(fitted(nodes, secants, BOUND_DEGREE)))
         if further < COMFORT:
-            attraction, rates, product = "nested tubes", secants, further
+            attraction = "nested tubes"
+            rates = secants
+            product = further
     # Half of the contraction is spent along the step, so that every premise has room.
     room = -0.5 * np.log(product)
     series = fitted(nodes, rates, BOUND_DEGREE)
@@ -276,9 +278,8 @@ def _iterated(flow: ChartFlow, nodes: np.ndarray, degree: int, share: float) -> 
     constant = np.eye(1, degree + 1)[0]
     middle = fitted(nodes, np.mean(flow.fences(nodes), axis=1), degree)
     orbit = _Orbit(middle, np.array([[1.0, 0.5]]))
-    most_rounds = 400  # Iterations of the fixed point.
-    settled = 1e-12  # Relative change that ends them.
-    for _ in range(most_rounds):
+    settled = 1e-12  # Relative change that ends the iteration.
+    for _ in range(400):
         crossing = orbit.guard[:, 0]
         points = flow.points(orbit.series, np.concatenate([nodes, crossing]))
         quantities = flow.evaluate(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))

@@ -13,7 +13,9 @@ from neuralgaits.records.certified import Conclusion
 class OrbitLevel(Level):
     """Level 3: one periodic orbit attracts every trajectory of the walking set."""
 
-    number, part, parameters = 3, "orbit", OrbitConstants
+    number = 3
+    part = "orbit"
+    parameters = OrbitConstants
     rests_on = (2,)
 
     def premises(

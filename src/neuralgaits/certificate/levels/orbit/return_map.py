@@ -71,7 +71,9 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
         return point.foot_above_ground, then, 0.5 * after[1] * after[1]
 
     zeta = 0.5 * gait.z(u)[1] ** 2
-    here, one, zero = (u[0], zeta), jnp.ones_like(zeta), jnp.zeros_like(zeta)
+    here = (u[0], zeta)
+    one = jnp.ones_like(zeta)
+    zero = jnp.zeros_like(zeta)
     (_, phase, after), by_phase = jax.jvp(ends, here, (one, zero))
     by_zeta = jax.jvp(ends, here, (zero, one))[1]
     before = slope(gait, zd.point(gait.state(*here)))

@@ -62,12 +62,10 @@ def find_set(
     quantities = evaluate(guard)
     landed = np.abs(quantities["after"][:, 0]).max()
     stride = quantities["stride"]
-    # Phases that a reset may land in per phase seen, apart from the change of lengths.
-    phases_per_phase = 1.5
-    spread = phases_per_phase * stride.max() / stride.min() if command_names else 2.0
-    # Few digits, since a statement gives the strip before a step exactly, for people to read.
-    digits = 3
-    start_strip = float(at_most((ROOM if floor else spread) * landed + 1e-9, digits))
+    # Phases that a reset may land in per phase seen: 1.5, apart from the change of lengths.
+    spread = 1.5 * stride.max() / stride.min() if command_names else 2.0
+    # Three digits, since a statement gives the strip before a step exactly, for people to read.
+    start_strip = float(at_most((ROOM if floor else spread) * landed + 1e-9, 3))
     if not start_strip < widths[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
     phases = np.linspace(0.0, 1.0, count)

@@ -16,7 +16,9 @@ from neuralgaits.records.certified import Conclusion
 class WalkingSetLevel(Level):
     """Level 2: every trajectory that starts in the walking set walks for ever."""
 
-    number, part, parameters = 2, "walking", WalkingSetConstants
+    number = 2
+    part = "walking"
+    parameters = WalkingSetConstants
 
     def premises(
         self, parameters: Parameters, boxes: Boxes

@@ -22,7 +22,7 @@ class WalkingSetConstants:
         start_strip: T begins this far before phase 0: a reset need not land on the line.
         guard_strip: T ends this far behind phase 1, and the guard lies within as much of it.
         risen: until this phase the swing foot rises.
-        falling: from this phase it falls; in between it is above the ground.
+        falling: phase from which it falls; in between it is above the ground.
         disturbance: bound on what may be added to dz (m/s, N m).
         barriers: names of the spec's barrier conditions.
         carried: the spec's conditions, by name, that hold on the strips as well.

@@ -1,0 +1,253 @@
+"""Sets for held torques, or without a hold, that one norm of V allows, estimated at points.
+
+Nothing here is trusted.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits.certificate.levels.full_order.held import (
+    JERK,
+    REST,
+    Held,
+    Jerk,
+    Kick,
+    growth_bound,
+    kick_bounds,
+    least_decay,
+    push_bound,
+)
+from neuralgaits.certificate.levels.full_order.samples import GaitSamples, doubled
+from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
+
+HELD_SPARE = 1.1
+"""Factor of room for contact, torque and foot while torques are held. It is smaller than without a
+hold, because slopes already take too much."""
+FULL = 0.96
+"""Share of a set without pushes that an impact may fill."""
+IMPACT = 1.18
+"""Effect of an impact, as a multiple of the largest seen: bounds cost so much."""
+LONGEST = 4e-3
+"""Longest hold that is tried [s]."""
+STRIP = 0.97
+"""Phase at which the guard's strip begins."""
+LARGEST = 0.2
+"""Largest radius that is tried for a set without pushes [rad]."""
+GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
+"""Barrier gains alpha that are tried [1/s]."""
+
+
+class Plan(NamedTuple):
+    """A set for held torques, or the largest set without a hold, estimated at points.
+
+    Attributes:
+        matrix: S. [m, m]
+        hold: time that torques are held [s]; 0 for no hold.
+        radius, floor: those of the set [rad]; the radius is 0 if there is no set.
+        slower: share of the decay of V that remains with a hold.
+        sigma: weight of V in each barrier.
+        planned: plans of this norm for shorter holds.
+    """
+
+    matrix: np.ndarray
+    hold: float
+    radius: float
+    floor: float
+    slower: float
+    sigma: tuple[float, ...]
+    planned: "NormPlans"
+
+    def smaller(self, share: float) -> "Plan":
+        """Return the plan for this share of the hold, or of the radius if there is no hold."""
+        if self.hold == 0.0:
+            return self.planned.still(share * self.radius)
+        return self.planned.plan(share * self.hold)
+
+    @property
+    def weights(self) -> tuple[float, ...]:
+        """Return S in the form of `FullOrderConstants.weights`."""
+        size = len(self.matrix)
+        return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
+
+
+def push_factor(bandwidth: float) -> float:
+    """Return |d xi'/d e| for a unit |S e|, where xi' has S e/w and STIFF S e/w [s]."""
+    return math.sqrt(1.0 + float(STIFF) ** 2) / bandwidth
+
+
+class NormPlans:
+    """Plans for holds and sets that one norm allows."""
+
+    def __init__(
+        self,
+        samples: GaitSamples,
+        bandwidth: float,
+        matrix: np.ndarray,
+        held: bool = False,
+        error: float = 0.0,
+    ):
+        self.samples, self.w, self.matrix, self.error = samples, bandwidth, matrix, error
+        self.impact = 1.08 if held else IMPACT
+        inverse = np.linalg.inv(matrix)
+        pair, inverse_pair = doubled(matrix), doubled(inverse)
+        usual = float(lyapunov_rate(bandwidth))
+        self.factor = push_factor(bandwidth)
+        own, along = samples.law
+        # Where a law is not exact: the decay that is left of the usual, and its error at xi = 0.
+        self.gamma = least_decay(matrix @ along @ inverse_pair, bandwidth) if along.any() else usual
+        self.gamma_share = self.gamma / usual
+        self.rest = REST * float(_size(own @ matrix.T).max())
+        value, slope, pushed = samples.slack
+        self.slack = value, _size(slope @ inverse_pair), _size(pushed @ inverse)
+        self.coupling = 1.15 * _size(samples.rate.in_xi @ inverse_pair)
+        self.reading = 1.2 * _size(samples.reading @ inverse_pair).max(axis=0)
+        after = pair @ samples.after @ inverse_pair
+        self.gain = self.impact * float(np.sqrt((after**2).sum(axis=(1, 2)).max()))
+        self.reset = self.impact * _size(samples.reset @ inverse_pair).max(axis=0)
+        jerk, along, moved = samples.jerk
+        self.jerk = Jerk(
+            JERK * float(_size(jerk @ matrix.T).max()),
+            growth_bound(matrix @ along @ inverse_pair, bandwidth, tight=samples.beyond_cpp),
+            push_bound(matrix @ moved @ inverse, samples.law.in_xi),
+        )
+        self.kick = None
+        if samples.kick is not None:
+            first, along, more = samples.kick
+            self.kick = first @ matrix.T, matrix @ along @ inverse_pair, matrix @ more @ inverse
+        self.shrink = self.gamma / (4.25 * 1.1 * samples.pace)
+        self.shape = np.exp(-self.shrink * samples.phase**2)
+        self.left = math.exp(-self.shrink * STRIP**2)
+
+    def best(self) -> Plan:
+        """Return the plan in which torques can be held the longest."""
+        low, high = 0.0, LONGEST
+        for _ in range(14):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.plan(middle).radius else (low, middle)
+        return self.plan(low)
+
+    def plan(self, hold: float) -> Plan:
+        """Return the set for a hold; its radius is 0 if there is none."""
+        none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
+        full = 0.985  # Share of the set that an impact may fill.
+        radius = floor = slower = 0.0
+        kick = Kick()
+        bounds = self._hold_bounds(hold, radius) if hold > 0.0 and self.gamma > 0.0 else None
+        for _ in range(4):
+            if bounds is None:
+                return none
+            slower = 1.0 - 2.0 * self.factor * bounds.push[1] / self.gamma
+            if slower <= 0.2:
+                return none
+            # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep
+            # outputs.
+            floor = 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
+            left = math.exp(-slower * self.shrink * STRIP**2)
+            growth = max(self.gain, 1.1) / full
+            if growth * left >= 0.9:
+                return none
+            kick = self._kicked(hold, bounds, floor + (radius - floor) * left, radius)
+            kicked = self.factor * hold * (kick.mean + self.rest) / full if self.kick else 0.0
+            radius = (growth * floor * (1.0 - left) + kicked) / (1.0 - growth * left)
+            bounds = self._hold_bounds(hold, radius)
+        if bounds is None or radius > LARGEST:
+            return none
+        bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.samples.phase**2)
+        value, slope, pushed = self.slack
+        need = bound[:, None] * slope + (bounds.peak[0] + bounds.peak[1] * bound)[:, None] * pushed
+        if not (HELD_SPARE * need <= value).all():
+            return none
+        # Phase until which contact has to stand the error that an impact makes under old torques.
+        early, contact = self.samples.phase <= 0.05, slice(0, 3)
+        need = bound[:, None] * slope + kick.peak * pushed
+        if not (HELD_SPARE * need <= value)[early, contact].all():
+            return none
+        before = floor + (radius - floor) * math.exp(-slower * self.shrink * STRIP**2)
+        push = bounds.push[0] + bounds.push[1] * radius
+        if self.kick:
+            push = max(push, 0.5 * self.gamma * hold * (kick.mean + self.rest))
+        sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.samples.inlet)))
+        if 0.0 in sigma:
+            return none
+        return Plan(self.matrix, hold, radius, floor, self.gamma_share * slower, sigma, self)
+
+    def _hold_bounds(self, hold: float, radius: float) -> Held | None:
+        """Bound errors of a hold, that of the law at xi = 0 included."""
+        return self.jerk.held(hold, self.error, self.w, radius, self.gamma, self.rest)
+
+    def _kicked(self, hold: float, bounds: Held, before: float, radius: float) -> Kick:
+        """Bound errors from an impact to the next tick; `before` bounds sqrt(V) before it."""
+        if self.kick is None:
+            return Kick()
+        exact, slope, push = kick_bounds(*self.kick, before)
+        first = exact + slope * before + push * (bounds.peak[0] + bounds.peak[1] * before)
+        return self.jerk.kicked(first, hold, self.w, radius)
+
+    @property
+    def slack_of_impacts(self) -> float:
+        """Return the share of a set without floor that an impact leaves free; negative if none."""
+        return min(FULL - self.gain * self.left, 0.0)
+
+    def widest(self) -> Plan:
+        """Return the largest set without pushes."""
+        low, high = 0.0, LARGEST
+        for _ in range(14):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.still(middle).radius else (low, middle)
+        return self.still(low)
+
+    def still(self, radius: float) -> Plan:
+        """Return a set of this radius without pushes; its radius is 0 if there is none."""
+        sigma: tuple[float, ...] = ()
+        value, slope, _ = self.slack
+        spare = 1.6  # Factor of room for contact, torque and foot.
+        stands = spare * radius * self.shape[:, None] * slope <= value
+        if radius > 0.0 and self.slack_of_impacts == 0.0 and stands.all():
+            sigma = tuple(self._still_sigma(i, radius) for i in range(len(self.samples.inlet)))
+        if not sigma or 0.0 in sigma:
+            radius, sigma = 0.0, ()
+        return Plan(self.matrix, 0.0, radius, 0.0, 1.0, sigma, self)
+
+    def _still_sigma(self, i: int, radius: float) -> float:
+        """Return the weight that leaves a barrier the most room without pushes; 0 if none does."""
+        c, read, before = self.coupling[:, i].max(), self.reading[i], radius * self.left
+        rate = (self.samples.rate.value[:, i] + GAINS[:, None] * self.samples.h[:, i]).min(axis=1)
+        sigmas = np.geomspace(1.0, 1e5, 121)  # Weights of V in a barrier that are tried.
+        tight = read**2 / (4.0 * sigmas)
+        lost = 1.1 * c**2 / (4.0 * sigmas[:, None] * (self.gamma - GAINS))
+        room = (0.91 * rate - lost - GAINS * tight[:, None]).max(axis=1)
+        inlet = 0.95 * self.samples.inlet[i] - self.reset[i] * before - tight
+        room[1.05 * sigmas * (self.gain * before) ** 2 > inlet] = -1.0
+        return float(sigmas[room.argmax()]) if room.max() > 0.0 else 0.0
+
+    def _sigma(self, i: int, push: float, before: float, radius: float) -> float:
+        """Return the weight that leaves a barrier the most room; 0 if none does.
+
+        `before` bounds sqrt(V) before an impact.
+        """
+        c, read = self.coupling[:, i], self.reading[i]
+        value = 0.97 * (self.samples.rate.value[:, i] + GAINS[:, None] * self.samples.h[:, i])
+        rest = self.gamma - GAINS
+        middle = c.max() / (2.0 * self.factor * push)
+        sigma = np.concatenate(
+            [middle * np.geomspace(0.1, 1.5, 9), read / radius * np.array([0.5, 1, 2])]
+        )
+        sigma = sigma[sigma > 0.0]
+        tight = read**2 / (4.0 * sigma)
+        inlet = 0.95 * self.samples.inlet[i] - self.reset[i] * before - tight
+        lost = (c + 2.0 * sigma[:, None, None] * self.factor * push) ** 2 / (
+            4.0 * sigma[:, None, None] * rest[:, None]
+        )
+        room = (value - lost).min(axis=2) - GAINS * tight[:, None]
+        # Level 4 takes the least rate and the largest coupling, wherever each is.
+        still = 0.94 * value.min(axis=1) - c.max() ** 2 * 1.1 / (4.0 * sigma[:, None] * rest)
+        still = (still - GAINS * tight[:, None]).max(axis=1)
+        room = np.minimum(room.max(axis=1), still)
+        room[sigma * radius**2 > inlet] = -1.0
+        return float(sigma[room.argmax()]) if room.max() > 0.0 else 0.0
+
+
+def _size(rows: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(rows, axis=-1)
