@@ -14,7 +14,7 @@ from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, ver
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.checked import ProofCheck
 from neuralgaits.records.fitted import FitSummary
-from neuralgaits.records.levels import FULL_ORDER_LEVEL, WORDS
+from neuralgaits.records.level_words import FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary

@@ -2,7 +2,7 @@
 
 from neuralgaits._digits import at_least
 from neuralgaits.records.certified import CertificateRecord, Verdict
-from neuralgaits.records.levels import (
+from neuralgaits.records.level_words import (
     DISTURBED_LEVEL,
     FOR_EVER,
     FULL_ORDER_LEVEL,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Annotated, Literal
 
-from neuralgaits.records.levels import FULL_ORDER_LEVEL, HIGHEST, WORDS
+from neuralgaits.records.level_words import FULL_ORDER_LEVEL, HIGHEST, WORDS
 from neuralgaits.records.record import Count, Pair, Record, Share, Texts
 from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 

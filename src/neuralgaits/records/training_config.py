@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Protocol
 
 from neuralgaits._checks import SEEDS
 from neuralgaits.errors import RunError
-from neuralgaits.records.levels import HIGHEST, HIGHEST_OF_MANY
+from neuralgaits.records.level_words import HIGHEST, HIGHEST_OF_MANY
 from neuralgaits.records.record import Pair, Record, build, shape_of
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG

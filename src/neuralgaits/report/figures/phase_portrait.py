@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Patch
 
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
-from neuralgaits.records.levels import ORBIT_LEVEL, WALKING_SET_LEVEL
+from neuralgaits.records.level_words import ORBIT_LEVEL, WALKING_SET_LEVEL
 from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import (
     ALLOWED,
