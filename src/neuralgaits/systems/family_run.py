@@ -18,8 +18,6 @@ from neuralgaits.runs.names import CONFIG, ROBOT, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.runs.shape import POSITIVE, whole
 from neuralgaits.systems.trained_system import TrainedSystem
 
-LARGEST_WEIGHT = 1e6
-"""Largest magnitude of a weight that a training leaves."""
 WIDEST_NETWORK = 256
 """Largest width of a hidden layer."""
 
@@ -134,9 +132,10 @@ def open_family_run(system: TrainedSystem, run: str | Path) -> FamilyRun:
 
 def refuse_odd_weights(controller: Any, file: Path) -> None:
     """Refuse weights that no training leaves. Raises: RunError."""
+    largest = 1e6  # Largest magnitude of a weight that a training leaves.
     for leaf in jax.tree.leaves(controller):
-        if not np.all(np.abs(np.asarray(leaf)) <= LARGEST_WEIGHT):
+        if not np.all(np.abs(np.asarray(leaf)) <= largest):
             raise RunError(
-                f"expected weights of at most {LARGEST_WEIGHT:g} in {file}, found larger ones, or "
+                f"expected weights of at most {largest:g} in {file}, found larger ones, or "
                 "no numbers: the file was changed; train again"
             )

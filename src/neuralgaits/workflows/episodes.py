@@ -45,7 +45,6 @@ from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.train import train
 
-FIGURE = "episodes.png"
 Tell = Callable[[int, str], None]
 """Callback that gets the round and the stage that begins."""
 
@@ -96,7 +95,8 @@ def episodes(settings: EpisodesSettings) -> Episodes:
         folder = _begin(config, resume, out=settings.out, root=root)
     else:
         folder = old.gone_on_with(config, settings.out)
-    refuse_unwritable(folder.path / EPISODES_SUMMARY, folder.path / FIGURE, own=True)
+    figure_file = "episodes.png"
+    refuse_unwritable(folder.path / EPISODES_SUMMARY, folder.path / figure_file, own=True)
     tell = settings.tell or (lambda number, what: None)
     session = _Session(folder, settings.progress, tell, root)
     try:
@@ -111,11 +111,11 @@ def episodes(settings: EpisodesSettings) -> Episodes:
         rounds=tuple(entries),
         waiting_for=stopped.waiting_for,
         diverged=stopped.diverged,
-        figure=str(folder.path / FIGURE),
+        figure=str(folder.path / figure_file),
         wall_s=time.perf_counter() - start_time,
     )
     write(folder.path / EPISODES_SUMMARY, summary)
-    draw_file(summary, folder.path / FIGURE)
+    draw_file(summary, folder.path / figure_file)
     return Episodes(folder.path, run, summary)
 
 

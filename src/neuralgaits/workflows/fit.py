@@ -30,6 +30,8 @@ from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL
 from neuralgaits.settings import FitSettings, called_with
 
+SAMPLES = 3
+"""Samples of the windows that are learned from, as in the paper's code."""
 STEP_S = 0.01
 """Spacing of the samples of a window [s], as in the paper's code."""
 JUDGED_SAMPLES = 11
@@ -140,7 +142,7 @@ def _dealt(strides: Sequence[Stride], seed: int, left_out: Mapping[str, int], ro
 
 
 def _windows(strides: Sequence[Stride]) -> Windows:
-    return walks.windows(strides, samples=3, step=STEP_S)
+    return walks.windows(strides, samples=SAMPLES, step=STEP_S)
 
 
 def _judging_windows(strides: Sequence[Stride]) -> Windows:

@@ -21,8 +21,6 @@ from neuralgaits.runs import RunFolder, finish
 from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows.train import violations
 
-_NO_SOLUTION = "its zero dynamics have no finite solution"
-
 
 def given_run(
     robot: PlanarBiped,
@@ -78,12 +76,13 @@ def given_run(
 def _attracting_orbit(zd: ZeroDynamics, origin: GaitOrigin) -> Steady:
     """Return the periodic orbit of a gait. Raises: as `given_run`, if none attracts."""
     robot = zd.robot
+    no_solution = "its zero dynamics have no finite solution"
     try:
         walk = steady(zd)
     except (ArithmeticError, np.linalg.LinAlgError):
-        walk = _NO_SOLUTION
+        walk = no_solution
     if not isinstance(walk, str) and not all(np.isfinite(part).all() for part in walk):
-        walk = _NO_SOLUTION
+        walk = no_solution
     if isinstance(walk, str):
         remedy = (
             f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "

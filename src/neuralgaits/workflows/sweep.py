@@ -40,9 +40,6 @@ from neuralgaits.sweeps.sweep_folder import SweepFolder
 from neuralgaits.sweeps.sweep_table import to_csv
 from neuralgaits.workflows.sweep_row import carry_out, row_of
 
-MOST_ROWS = 1_000_000
-"""Most rows of a sweep; a larger number is taken for a typing error."""
-
 
 @dataclass(frozen=True)
 class Sweep:
@@ -184,8 +181,9 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
         sha256={name: sha256(content) for name, content in inputs.items()},
         **settings,
     )
-    if (rows := count(config)) > MOST_ROWS:
-        raise InputError(f"expected at most {MOST_ROWS} rows, found {rows}: take fewer seeds")
+    most_rows = 1_000_000  # Most rows of a sweep; a larger number is taken for a typing error.
+    if (rows := count(config)) > most_rows:
+        raise InputError(f"expected at most {most_rows} rows, found {rows}: take fewer seeds")
     place = None if out is None else Path(out)
     return lambda: SweepFolder.create(config, inputs, out=place, root=asked_for.root)
 

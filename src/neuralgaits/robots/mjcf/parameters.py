@@ -22,8 +22,6 @@ from neuralgaits.robots.mjcf.loader import links_from_text, robot_from_text
 from neuralgaits.robots.mjcf.with_errors import LinkErrors, text_with_errors
 from neuralgaits.robots.parameter_box import GROUND, UNITS, Box, checked_box
 
-_RELATIVE = "(relative error)"
-
 
 class ParameterAxis(NamedTuple):
     """One parameter: the quantity whose error it is, and its half width."""
@@ -76,15 +74,16 @@ def axes_of(robot: PlanarBiped, box: Box) -> tuple[ParameterAxis, ...]:
 
 def _names(types: _Types) -> Iterator[tuple[str, str]]:
     """Return (kind, name) of every parameter that a robot has."""
+    relative = "(relative error)"
     for link in types.links:
-        yield "mass", f"mass of {link} {_RELATIVE}"
+        yield "mass", f"mass of {link} {relative}"
     for link in types.links:
         for side in ("along", "across"):
             yield "com", f"centre of mass of {link} {side} (error in m)"
     for link in types.links:
-        yield "inertia", f"inertia of {link} {_RELATIVE}"
+        yield "inertia", f"inertia of {link} {relative}"
     for joint in types.joints:
-        yield "rotor", f"rotor inertia of {joint} {_RELATIVE}"
+        yield "rotor", f"rotor inertia of {joint} {relative}"
     if types.torso:
         yield "lean", f"lean of {types.links[-1]} beyond the belief (error in m)"
 

@@ -17,9 +17,6 @@ MOST = 1e6
 thousand kilometres or tonnes is a slip of the keyboard."""
 LEAST = 1e-6
 """Smallest value of what must be positive, in SI units."""
-LARGEST_FOOT = 0.25
-"""Largest radius of a foot, in lengths of the leg. The closed form pins the centre of the sphere;
-on a floor it rolls, by radius times angle: this share of each step."""
 
 
 def refuse_unphysical(model: mujoco.MjModel) -> None:
@@ -123,10 +120,13 @@ def refuse_large_foot(radius: float, leg: float, name: str) -> None:
 
     Raises: RobotError if it is larger than `LARGEST_FOOT` allows.
     """
-    if radius > LARGEST_FOOT * leg:
+    # Largest radius of a foot, in lengths of the leg. The closed form pins the centre of the
+    # sphere; on a floor it rolls, by radius times angle: this share of each step.
+    largest = 0.25
+    if radius > largest * leg:
         refuse(
             f"foot {name} has a radius of {radius:.6g} m: expected at most a quarter of the leg, "
-            f"{LARGEST_FOOT * leg:.6g} m, since larger feet roll and are no points; make the "
+            f"{largest * leg:.6g} m, since larger feet roll and are no points; make the "
             "sphere smaller, with its centre where the leg should end"
         )
 

@@ -28,7 +28,6 @@ from neuralgaits.robots.mjcf.section_plan import (
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
 Element = ElementTree.Element
-_ROOT = (("x", "slide", "1 0 0"), ("z", "slide", "0 0 1"), ("pitch", "hinge", "0 1 0"))
 
 
 def needs_section(model: mujoco.MjModel) -> bool:
@@ -118,8 +117,9 @@ def _write_base(
     body = ElementTree.SubElement(world, "body", name=base.name, pos=_place(base.anchor))
     joint_names = {model.joint(joint).name for leg in plan.legs for joint in leg}
     prefix = next(p for p in ("root", "base", "section_root") if f"{p}_pitch" not in joint_names)
-    names = tuple(f"{prefix}_{end}" for end, _, _ in _ROOT)
-    for label, (_, kind, axis) in zip(names, _ROOT, strict=True):
+    root_joints = (("x", "slide", "1 0 0"), ("z", "slide", "0 0 1"), ("pitch", "hinge", "0 1 0"))
+    names = tuple(f"{prefix}_{end}" for end, _, _ in root_joints)
+    for label, (_, kind, axis) in zip(names, root_joints, strict=True):
         ElementTree.SubElement(body, "joint", name=label, type=kind, axis=axis)
     _write_inertial(body, base)
     return names

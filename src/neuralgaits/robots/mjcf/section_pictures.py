@@ -8,8 +8,6 @@ import numpy as np
 from neuralgaits.robots.mjcf.section_links import SectionLink
 
 Element = ElementTree.Element
-_STICK_M = 0.03
-"""Radius of the stick that shows a link of which the file has meshes only [m]."""
 
 
 def write_pictures(
@@ -40,9 +38,10 @@ def _draw_sticks(body: Element, link: SectionLink) -> None:
     if link.joint < 0:
         up = 2.0 * (link.com - link.anchor)
         ends.append(f"{up.real:.6g} 0 {up.imag:.6g}")
+    radius = 0.03  # Radius of the stick that shows a link of which the file has meshes only [m].
     for end in ends:
-        if np.linalg.norm([float(word) for word in end.split()]) > _STICK_M:
-            attributes = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(_STICK_M)}
+        if np.linalg.norm([float(word) for word in end.split()]) > radius:
+            attributes = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(radius)}
             ElementTree.SubElement(body, "geom", attributes | _WITHOUT_CONTACT)
 
 

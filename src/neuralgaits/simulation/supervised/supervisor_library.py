@@ -15,8 +15,6 @@ from neuralgaits.export import build, output_folder
 from neuralgaits.export.design import Design
 from neuralgaits.export.source import gait_files
 
-_HOST = "supervisor_host.c"
-
 
 def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL:
     """Return the compiled supervisor of a controller.
@@ -27,14 +25,15 @@ def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL
 
     Raises: InputError without a C compiler, SpecError for a policy that C cannot express.
     """
+    host = "supervisor_host.c"
     compiler = Compiler.for_c()
     if compiler is None:
         raise InputError("expected a C compiler for the supervisor, found none: install gcc")
     folder = resources.files("neuralgaits.simulation.supervised") / "c"
     files = output_folder.shipped() | gait_files(design)
-    files[_HOST] = (folder / _HOST).read_text(encoding="utf-8")
+    files[host] = (folder / host).read_text(encoding="utf-8")
     flags = ("-std=c99", "-O2", "-fPIC", "-shared", *build.PRECISIONS[precision])
-    recipe = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", _HOST), flags)
+    recipe = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", host), flags)
     library = ctypes.CDLL(str(compiler.cached(recipe, cache_folder())))
     library.ng_host_bytes.restype = c_size_t
     library.ng_host_start.argtypes = [c_void_p, c_int, c_int]

@@ -38,10 +38,6 @@ from neuralgaits.systems.network_system import NetworkSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-FRESH = 2**16
-"""Number of the states on which the summary is measured."""
-LEAST_WIDTH = 1e-9
-"""Least half width of the set along each of its axes (SI units)."""
 EPISODES = 12
 """Episodes in the pictures, each from the set's face."""
 SHOWN_S = 8.0
@@ -114,9 +110,10 @@ class EquilibriumSystem(NetworkSystem):
         Raises: RunError.
         """
         shape = np.asarray(controller.ball.shape)
-        if not np.array_equal(shape, np.tril(shape)) or not np.all(np.diag(shape) >= LEAST_WIDTH):
+        least_width = 1e-9  # Least half width of the set along each of its axes (SI units).
+        if not np.array_equal(shape, np.tril(shape)) or not np.all(np.diag(shape) >= least_width):
             raise RunError(
-                f"expected a lower triangular matrix with a diagonal of {LEAST_WIDTH:g} or more "
+                f"expected a lower triangular matrix with a diagonal of {least_width:g} or more "
                 f"for the set in {file}, found another: the file was changed; train again"
             )
 
@@ -138,12 +135,13 @@ class EquilibriumSystem(NetworkSystem):
 
     def measured(self, run: FamilyRun) -> dict[str, Any]:
         """Return the margins at fresh random states, and the set's sizes."""
+        count = 2**16
         ball = run.controller.ball
         key = jax.random.key(SEEDS)  # No run has that seed.
-        margins = sampled_margins(run.robot, run.controller, run.config.rate, key, FRESH)
+        margins = sampled_margins(run.robot, run.controller, run.config.rate, key, count)
         return {
             "margins": {name: float(np.min(rows)) for name, rows in margins.items()},
-            "samples": FRESH,
+            "samples": count,
             "widths": ball.widths,
             "volume": ball.volume,
         }

@@ -16,8 +16,6 @@ from neuralgaits.systems.hopper.hopper_model import Hopper
 from neuralgaits.systems.mjcf_contents import PlanarLink, joint_kinds, model_name, planar_link
 
 BUILT_IN = "hopper"
-ON_LINE = 1e-9
-"""Largest distance [m] of what must lie on the leg's line, or on the wheel's axis."""
 PLANE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 """Forward and up."""
 ROLES = (
@@ -74,9 +72,11 @@ def _problems_of_tree(model: mujoco.MjModel) -> Iterator[str]:
 def _problems(model: mujoco.MjModel) -> Iterator[str]:
     """Say what else is not a hopper's: axes, lines, ranges, motors, what no formula has."""
     still = at_zero(model)
+    # Largest distance [m] of what must lie on the leg's line, or on the wheel's axis.
+    line_tolerance = 1e-9
     for joint, (words, _, axis) in enumerate(ROLES):
         name = joint_label(model, joint)
-        if np.max(np.abs(still.xaxis[joint] - np.array(axis))) > ON_LINE:
+        if np.max(np.abs(still.xaxis[joint] - np.array(axis))) > line_tolerance:
             right = " ".join(f"{x:g}" for x in axis)
             yield f'joint {name} ({words}): expected the axis "{right}" where all joints are at 0'
         if joint != 4 and model.jnt_limited[joint]:
@@ -88,7 +88,7 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
     if not model.jnt_limited[4]:
         yield f'joint {joint_label(model, 4)} has no range: add range="-0.3 0.2"'
     for words, place in _beside_the_leg(model, still).items():
-        if abs(place) > ON_LINE:
+        if abs(place) > line_tolerance:
             yield f"{words} is {place:.3g} m beside the leg's line: expected 0; move it there"
     if len(_feet(model)) != 1:
         yield f"expected one sphere in the leg's body that can collide, found {len(_feet(model))}"

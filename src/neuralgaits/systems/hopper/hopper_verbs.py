@@ -48,9 +48,6 @@ from neuralgaits.systems.network_system import NetworkSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-FRESH = 2**15
-"""Number of the states on which the summary is measured."""
-
 
 class HopperSystem(NetworkSystem):
     """Model, training, proofs and words of hoppers."""
@@ -133,8 +130,9 @@ class HopperSystem(NetworkSystem):
 
     def measured(self, run: FamilyRun) -> dict[str, Any]:
         """Return the margins at fresh random states, and hops at both ends of the tube."""
+        count = 2**15
         key = jax.random.key(SEEDS)  # No run has that seed.
-        margins = sampled_hops(run.robot, run.controller, run.config.rate, key, FRESH)
+        margins = sampled_hops(run.robot, run.controller, run.config.rate, key, count)
         hop, tube = run.controller.policy.flight(run.robot), run.controller.tube
         end = jnp.ones(())
         sigma = [float(tube.momentum(end, jnp.asarray(level))) for level in (0.0, 1.0)]
@@ -142,7 +140,7 @@ class HopperSystem(NetworkSystem):
         gravity = run.robot.gravity
         return {
             "margins": {name: float(np.min(rows)) for name, rows in margins.items()},
-            "samples": FRESH,
+            "samples": count,
             "speeds": tuple(float(hop.forward) * one for one in sigma),
             "heights": tuple(0.5 * one * one / gravity for one in rises),
             "air_times": tuple(2.0 * one / gravity for one in rises),

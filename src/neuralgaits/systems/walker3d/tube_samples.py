@@ -17,11 +17,6 @@ from neuralgaits.systems.walker3d.spatial_impact import reset
 from neuralgaits.systems.walker3d.spatial_levels import TABLE
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
-BATCH = 1024
-"""Points that are evaluated together."""
-BEYOND = 0.05
-"""Share of its width by which a draw goes beyond a box before it is cut: ends count more."""
-
 
 def sampled_margins(
     program: Program, count: int, seed: int, names: Mapping[str, str] = TABLE.conditions
@@ -38,6 +33,7 @@ def sampled_margins(
     """
     draw = np.random.default_rng(seed)
     least = dict.fromkeys(names, np.inf)
+    batch = 1024  # Points that are evaluated together.
     for region, boxes in TABLE.regions.items():
         here = [name for name, place in names.items() if place == region]
         if not here:
@@ -45,9 +41,9 @@ def sampled_margins(
         own = prune(program, here)
         for low, high in boxes:
             points = _points(draw, np.array(low), np.array(high), -(-count // len(boxes)))
-            for first in range(0, len(points), BATCH):
+            for first in range(0, len(points), batch):
                 with np.errstate(all="ignore"):
-                    values = evaluate(own, {"u": points[first : first + BATCH]}, POINT)
+                    values = evaluate(own, {"u": points[first : first + batch]}, POINT)
                 for name in here:
                     # A NaN stays one: `min` of NumPy keeps it.
                     least[name] = float(np.minimum(least[name], values[name].min()))
@@ -88,5 +84,7 @@ def _points(
     count: int,
 ) -> Float[np.ndarray, "count n"]:
     """Return random points of a box, many of them on its faces."""
-    share = draw.uniform(-BEYOND, 1.0 + BEYOND, (count, len(low)))
+    # Share of its width by which a draw goes beyond a box before it is cut: ends count more.
+    beyond = 0.05
+    share = draw.uniform(-beyond, 1.0 + beyond, (count, len(low)))
     return low + np.clip(share, 0.0, 1.0) * (high - low)
