@@ -1,5 +1,6 @@
 """A family of systems beside walkers: what the rest of the house asks of it."""
 
+import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +29,16 @@ class SystemFamily:
     recognises: Callable[[str | Path], bool]
     assumptions: tuple[str, ...]
     with_levels: Callable[[CheckResult, Claims], CheckResult]
+
+
+def imported_when_called(place: str) -> Callable[[str | Path], bool]:
+    """Return a family's test of robots at MODULE:FUNCTION, a module that brings MuJoCo."""
+    module, _, name = place.partition(":")
+
+    def recognises(robot: str | Path) -> bool:
+        return getattr(importlib.import_module(module), name)(robot)
+
+    return recognises
 
 
 @dataclass(frozen=True)
