@@ -97,7 +97,9 @@ class LiveWalk:
             if library is None
             else NativeTick(library, self.plant, controller, first)
         )
-        self._levels, self._ticks, self._push = np.zeros((1, 2)), 0, LivePush()
+        self._levels = np.zeros((1, 2))
+        self._ticks = 0
+        self._push = LivePush()
         self._start = np.asarray(start, dtype=np.float64)
         self._stand(self._start, 0.0)
 

@@ -140,7 +140,9 @@ def walk(inputs: WalkInputs) -> Walk:
     Returns: `Walk`.
     Raises: InputError if settings do not fit, or Drake is not installed.
     """
-    robot, policies, disturbance = inputs.robot, inputs.policies, inputs.disturbance
+    robot = inputs.robot
+    policies = inputs.policies
+    disturbance = inputs.disturbance
     starts = _checked_starts(robot, inputs.starts)
     law, count = law_of_drives(law_named(inputs.controller), disturbance), len(starts)
     shared = isinstance(policies, AbstractPolicy)
@@ -175,7 +177,9 @@ def _inputs(
     inputs: WalkInputs, plant: Plant, schedule: CommandSchedule, count: int
 ) -> EpisodeInputs:
     """Return what the episodes meet: ground, pushes, commands, noise."""
-    seed, first, courses = inputs.seed, inputs.first, inputs.courses
+    seed = inputs.seed
+    first = inputs.first
+    courses = inputs.courses
     height = None if courses is not None else _told_height(schedule)
     return EpisodeInputs(
         Terrain(plant.disturbance.floor_height, seed, count, height, first),

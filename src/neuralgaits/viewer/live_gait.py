@@ -83,7 +83,9 @@ class LiveGait:
         self._monitor: LiveMonitor | None = None
         self._beliefs_within: float | None = None
         self._z = self._middle
-        self._begun, self._pace, self._trail = 0.0, StepSpeed(), Trail()
+        self._begun = 0.0
+        self._pace = StepSpeed()
+        self._trail = Trail()
 
     def look_with(self, evaluate: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
@@ -159,7 +161,9 @@ class LiveGait:
 
     def shown(self) -> WalkFrame:
         """Return the present moment of the walk."""
-        live, sensors, mean = self.live, self._sensors(), self._pace.mean
+        live = self.live
+        sensors = self._sensors()
+        mean = self._pace.mean
         ending: Ending = live.ending
         return WalkFrame(
             time=live.time,
@@ -279,7 +283,9 @@ class LiveGait:
         except InputError:
             return False
         self._z = z
-        self._begun, self._pace, self._trail = self.live.time, StepSpeed(), Trail()
+        self._begun = self.live.time
+        self._pace = StepSpeed()
+        self._trail = Trail()
         if self._monitor is not None:
             self._monitor.restart()
         return True

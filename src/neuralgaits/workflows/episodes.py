@@ -89,7 +89,9 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    config, resume, root = _config_of(settings), settings.resume, settings.root
+    config = _config_of(settings)
+    resume = settings.resume
+    root = settings.root
     old = None if resume is None else EpisodeFolder.find(resume, root)
     if old is None:
         folder = _begin(config, resume, out=settings.out, root=root)
@@ -121,7 +123,9 @@ def episodes(settings: EpisodesSettings) -> Episodes:
 
 def _config_of(settings: EpisodesSettings) -> dict[str, Any]:
     """Return the settings that the folder's config records; None for what was not given."""
-    disturb, logs, columns = settings.disturb, settings.logs, settings.columns
+    disturb = settings.disturb
+    logs = settings.logs
+    columns = settings.columns
     return {
         "robot": None if settings.robot is None else robot_from(settings.robot),
         "plant": None if settings.plant is None else robot_from(settings.plant),
@@ -240,7 +244,9 @@ class _Session:
         place, config = self.folder.round(number), self.folder.config
         if (place / EPISODES_SUMMARY).is_file():
             return open_run(place)
-        robot, steps, seed = self.folder.robot, config.steps, config.seed
+        robot = self.folder.robot
+        steps = config.steps
+        seed = config.seed
         if (place / CONFIG).is_file():
             self.tell(number, "training on")
             return train(robot, resume=place, progress=self.progress, root=self.root)

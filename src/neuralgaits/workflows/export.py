@@ -63,7 +63,9 @@ def export_controller(settings: ExportSettings) -> Export:
     _refuse_settings(settings)
     if (task := task_of("export", settings)) is not None:
         return task(ProgressCallbacks(begun=settings.begun)).returned
-    trained, folder, kind = open_run(settings.run), Path(settings.out), settings.format
+    trained = open_run(settings.run)
+    folder = Path(settings.out)
+    kind = settings.format
     output_folder.refuse_used(folder, force=settings.force)
     if kind == "c" and settings.config is None:
         output_folder.refuse_stale_map(folder)

@@ -66,7 +66,9 @@ def fit(settings: FitSettings) -> Fit:
     """
     start_time = time.perf_counter()
     config = settings.config or FitConfig(optimizer=settings.optimizer)
-    logs, columns, seed = settings.logs, settings.columns, settings.seed
+    logs = settings.logs
+    columns = settings.columns
+    seed = settings.seed
     trained = open_run(settings.run)
     refuse_unwritable(trained.path / LEARNED_RESIDUAL, trained.path / FIT_SUMMARY, own=True)
     refuse_logs_of_another(trained, logs)

@@ -26,7 +26,9 @@ def optimise(settings: OptimiseSettings) -> Run:
         solver finds no gait.
     """
     start_time = time.perf_counter()
-    robot, speed, degree = robot_from(settings.robot), settings.speed, settings.degree
+    robot = robot_from(settings.robot)
+    speed = settings.speed
+    degree = settings.degree
     out, root = settings.out, settings.root
     if not speed > 0.0:
         raise InputError(f"expected --speed above 0 m/s, found {speed:g}")

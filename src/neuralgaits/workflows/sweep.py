@@ -67,7 +67,9 @@ def sweep(settings: SweepSettings) -> Sweep:
         finished row in the folder.
     """
     start_time = time.perf_counter()
-    workers, ray, tell = settings.workers, settings.ray, settings.tell
+    workers = settings.workers
+    ray = settings.ray
+    tell = settings.tell
     open_folder = _folder(settings)
     # Before a folder is made, so that an engine that cannot be had leaves none.
     with settings.engine or worker_pool_for(workers, ray) as pool, open_folder().alone() as folder:
@@ -143,7 +145,9 @@ def _speed_or_pair(speed: float | Interval | None) -> Speed:
 
 def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
     """Return the function that opens the existing sweep or makes a new one, after all checks."""
-    values, out, resume = _settings_given(asked_for), asked_for.out, asked_for.resume
+    values = _settings_given(asked_for)
+    out = asked_for.out
+    resume = asked_for.resume
     if resume and out is None:
         raise InputError("expected --out DIR with --resume, found none: name the sweep's folder")
     names = tuple(map(str, asked_for.robots))

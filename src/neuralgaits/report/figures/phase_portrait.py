@@ -102,7 +102,9 @@ def _safe_set(axes: Axes, data: GaitData) -> list:
 
 
 def _guard_and_reset(axes: Axes, data: GaitData) -> list:
-    z1, z2, foot = data["plane/z1"], data["plane/z2"], data["plane/foot"]
+    z1 = data["plane/z1"]
+    z2 = data["plane/z2"]
+    foot = data["plane/foot"]
     # Far behind the guard the policy means nothing, and its foot may rise and fall again.
     usual = data["guard/z"][:, 0].max()
     ahead = np.where((z1 > 0.0) & (z1 < usual + 0.5 * (z1[-1] - usual)), foot, np.nan)

@@ -58,7 +58,9 @@ def _joints_below_the_root(model: mujoco.MjModel) -> list[int]:
     welded = [int(one) for one in model.body_weldid]
     moving_bodies = sorted(set(welded) - {0})
     parent = {body: welded[model.body_parentid[body]] for body in moving_bodies}
-    last, joints, roots = 0, 0, set[int]()
+    last = 0
+    joints = 0
+    roots = set[int]()
     root_joints = 3
     while joints < root_joints:
         below = [body for body in moving_bodies if parent[body] == last]

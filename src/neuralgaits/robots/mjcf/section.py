@@ -136,7 +136,9 @@ def _write_legs(
     base = world.find("body")
     assert base is not None
     for leg, foot in zip(plan.legs, feet, strict=True):
-        parent, above, across = base, links[-1].anchor, links[leg[0]].across
+        parent = base
+        above = links[-1].anchor
+        across = links[leg[0]].across
         for joint in leg:
             link = links[joint]
             place = _place(link.anchor - above, across)

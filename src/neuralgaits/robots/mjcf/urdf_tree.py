@@ -136,7 +136,9 @@ def _refuse_repeated(names: list[str], what: str) -> None:
 
 def _refuse_deep(tree: UrdfTree) -> None:
     """Refuse links that no path from the root reaches, and very deep trees."""
-    depth, visited, level = 0, {tree.root}, [tree.root]
+    depth = 0
+    visited = {tree.root}
+    level = [tree.root]
     most_deep = 100
     while level:
         level = [tree.child(joint) for link in level for joint in tree.joints_below(link)]

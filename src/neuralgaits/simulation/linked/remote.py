@@ -62,7 +62,9 @@ class Remote:
                 f"expected 1 episode with --link address, found {episodes}: a controller walks one "
                 "robot at a time"
             )
-        self._config, self._law, self._laws = config, laws.index(config.law), laws
+        self._config = config
+        self._law = laws.index(config.law)
+        self._laws = laws
         log = Path(config.log) if config.log else None
         if program is None:
             self._links = [ControllerLink.to(*config.host_and_port)]

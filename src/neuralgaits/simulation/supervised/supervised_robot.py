@@ -132,7 +132,9 @@ class SupervisedRobot:
 
     def _sense(self) -> None:
         """Read the sensors, with the noise and the resolution of the disturbance."""
-        data, root, changes = self.data, self.plant.state_map.root, self.plant.disturbance
+        data = self.data
+        root = self.plant.state_map.root
+        changes = self.plant.disturbance
         count = self._joints.size
         sensors, angles = self._sensors, self._sensors[6 : 6 + count]
         sensors[0] = data.qpos[root[2]]

@@ -27,9 +27,14 @@ from neuralgaits.systems.system_family import Screen
 class CartPoleSystem(EquilibriumSystem):
     """Model, training, proofs and words of cart-poles."""
 
-    family, levels, table, recipe = FAMILY, LEVELS, LEVELS.table, RECIPE
+    family = FAMILY
+    levels = LEVELS
+    table = LEVELS.table
+    recipe = RECIPE
     spec_name = "balancing"
-    steps, hidden, state_size = 3000, 16, 4
+    steps = 3000
+    hidden = 16
+    state_size = 4
     why_highest = "a cart-pole's levels 2 and 3 are about the full order already"
     spec_files = (Path(radial_conditions.__file__), Path(cartpole_model.__file__))
     robot_file = Path(__file__).with_name("cartpole.xml")

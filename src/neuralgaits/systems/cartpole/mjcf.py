@@ -99,7 +99,9 @@ def _data(model: mujoco.MjModel) -> CartPoleData:
     slide, hinge, data = _joint(model, SLIDE), _joint(model, HINGE), at_zero(model)
     motor = int(np.flatnonzero(model.actuator_trnid[:, 0] == slide)[0])
     gravity = float(np.linalg.norm(model.opt.gravity))
-    up, along, around = -model.opt.gravity / gravity, data.xaxis[slide], data.xaxis[hinge]
+    up = -model.opt.gravity / gravity
+    along = data.xaxis[slide]
+    around = data.xaxis[hinge]
     cart, pole = (planar_link(model, data, joint, (along, up)) for joint in (slide, hinge))
     centre = pole.centre
     turn = 1.0 if np.cross(around, up) @ along > 0.0 else -1.0

@@ -119,7 +119,9 @@ def _commanded(track: Track, value: float, rate: float) -> float:
 
 def _cubic(share: float, total: float, low: float, high: float, first: float, last: float) -> Track:
     """Return a cubic with values and rates at both ends of a time."""
-    first, last, rise = first * total, last * total, high - low
+    first = first * total
+    last = last * total
+    rise = high - low
     square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
     value = low + share * (first + share * (square + share * cube))
     rate = first + share * (2.0 * square + 3.0 * share * cube)

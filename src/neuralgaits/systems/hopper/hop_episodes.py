@@ -135,7 +135,9 @@ class HopSimulation:
     """
 
     def __init__(self, run: FamilyRun) -> None:
-        self.robot, self.data, self.controller = run.robot, run.data, run.controller
+        self.robot = run.robot
+        self.data = run.data
+        self.controller = run.controller
         self.model = compile_text(run.folder.copy(ROBOT), run.config.robot)
         self.world = mujoco.MjData(self.model)
         self.law = jax.jit(stance_law(self.robot, self.controller))
@@ -154,7 +156,9 @@ class HopSimulation:
         sigma = float(self.controller.tube.momentum(zero, jnp.asarray(level)))
         turning = sigma / float(self.robot.stance_inertia(length))
         sliding = self.slope * turning
-        sine, cosine, data = np.sin(lean), np.cos(lean), self.data
+        sine = np.sin(lean)
+        cosine = np.cos(lean)
+        data = self.data
         # The hub's own place where all joints are at 0 is part of the file.
         mujoco.mj_kinematics(self.model, self.world)
         foot = self.world.geom_xpos[data.foot]

@@ -194,7 +194,9 @@ def difference_from_mujoco(model: mujoco.MjModel, data: HopperData) -> float:
     Kinetic energies at random states are alike if mass matrices are, and with these all forces
     that depend on rates.
     """
-    world, random, worst = mujoco.MjData(model), np.random.default_rng(0), 0.0
+    world = mujoco.MjData(model)
+    random = np.random.default_rng(0)
+    worst = 0.0
     robot = data.robot
     saved = int(model.opt.disableflags)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)

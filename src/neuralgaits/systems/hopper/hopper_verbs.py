@@ -54,9 +54,13 @@ class HopperSystem(NetworkSystem):
 
     family, table = FAMILY, TABLE
     summary = HopperTrained
-    spec_name, steps, hidden = "hopping", 600, 8
+    spec_name = "hopping"
+    steps = 600
+    hidden = 8
     # After a hop the distance of two hops, times 1 + rate, is at most that before.
-    rate, highest, state_size = 0.2, 3, 13
+    rate = 0.2
+    highest = 3
+    state_size = 13
     spec_files = tuple(
         Path(str(one.__file__)) for one in (hop_conditions, hop_tube, length_policy, hopper_model)
     )

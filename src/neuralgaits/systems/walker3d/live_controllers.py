@@ -70,7 +70,9 @@ class CompiledController:
 
     def __init__(self, library: ctypes.CDLL):
         """Take the loaded library of `walker3d_tick.c` for one robot."""
-        self._library, self._memory, self._torques = library, _Memory(), _SIX()
+        self._library = library
+        self._memory = _Memory()
+        self._torques = _SIX()
         self.start()
 
     @classmethod

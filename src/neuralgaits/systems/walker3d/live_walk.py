@@ -151,10 +151,14 @@ class SpatialLive:
         if self._controller is not None:
             self._controller.start()
         self._begun = self._touched = float(world.time)
-        self._left, self._steps, self._pace = False, 0, StepSpeed()
+        self._left = False
+        self._steps = 0
+        self._pace = StepSpeed()
         self._pushed_until, self._force = -1.0, np.zeros(2)
         self._fall: str | None = None
-        self._z, self._ticks, self._inside = np.full(4, np.nan), 0, 0
+        self._z = np.full(4, np.nan)
+        self._ticks = 0
+        self._inside = 0
         self._pending: list[np.ndarray] = []
         self._place = 0.0, np.full(3, np.nan), np.nan
         samples = 130  # Of the trail that are kept: some four steps.
@@ -254,7 +258,9 @@ class SpatialLive:
         return self._force if self._world.time < self._pushed_until else np.zeros(2)
 
     def _touch_down(self, left: bool) -> None:
-        self._left, self._steps, self._touched = left, self._steps + 1, float(self._world.time)
+        self._left = left
+        self._steps = self._steps + 1
+        self._touched = float(self._world.time)
         self._compare()
         self._trail.append(np.full(5, np.nan))
         self._pace.touch_down(self._steps, self._touched, float(self._world.qpos[0]))

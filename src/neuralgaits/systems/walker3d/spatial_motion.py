@@ -118,7 +118,10 @@ def joint_rates(pose: SpatialPose, motion: LinkMotion) -> Float[Array, "8"]:
 
 def jacobians_of(links: Links, pose: SpatialPose) -> Jacobians:
     """Return velocities per unit rate of each joint."""
-    forward, normals, hips, knees = pose.torso[0], pose.normals, pose.hips, pose.knees
+    forward = pose.torso[0]
+    normals = pose.normals
+    hips = pose.hips
+    knees = pose.knees
     axes, anchors = [jnp.asarray(FORWARD, forward.dtype), pose.torso[1]], 2 * [hips[0]]
     for side in (0, 1):
         axes += [forward, normals[side], normals[side]]

@@ -54,7 +54,9 @@ class SpatialSystem(ExportedSystem):
     family, table = FAMILY, TABLE
     config, summary = SpatialConfig, SpatialTrained
     spec_files = tuple(Path(str(one.__file__)) for one in (spatial_conditions, spatial_tube))
-    steps, highest, state_size = 250, 3, 20
+    steps = 250
+    highest = 3
+    state_size = 20
     why_highest = "a walker's levels in three dimensions are about its hybrid zero dynamics"
     about_proofs = "the rigid model's projected hybrid zero dynamics, the yaw of the torso held"
     robot_file = Path(__file__).with_name("walker3d.xml")

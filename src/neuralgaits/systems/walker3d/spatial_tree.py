@@ -51,7 +51,9 @@ def tree_of(model: mujoco.MjModel) -> tuple[SpatialTree | None, list[str]]:
     thighs = sorted(children_of(model, moving[0]), key=lambda body: float(data.xpos[body, 1]))
     if len(thighs) != 2:
         return None, [*problems, f"expected two legs on the torso, found {len(thighs)}: no arms"]
-    legs, bodies, feet = [], [moving[0]], []
+    legs = []
+    bodies = [moving[0]]
+    feet = []
     for side, thigh in zip(("right", "left"), thighs, strict=True):
         shins = children_of(model, thigh)
         joints = joints_on(model, thigh)
