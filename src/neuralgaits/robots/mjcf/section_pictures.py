@@ -42,10 +42,10 @@ def _draw_sticks(body: Element, link: SectionLink) -> None:
     for end in ends:
         if np.linalg.norm([float(word) for word in end.split()]) > radius:
             attributes = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(radius)}
-            ElementTree.SubElement(body, "geom", attributes | _WITHOUT_CONTACT)
+            ElementTree.SubElement(body, "geom", attributes | _PICTURE_ONLY)
 
 
-_WITHOUT_CONTACT = {"contype": "0", "conaffinity": "0", "mass": "0"}
+_PICTURE_ONLY = {"contype": "0", "conaffinity": "0", "mass": "0"}
 
 
 def _picture_of(
@@ -64,7 +64,7 @@ def _picture_of(
         "pos": _numbers(place),
         "quat": _numbers(turn),
         "rgba": _numbers(model.geom_rgba[geom]),
-        **_WITHOUT_CONTACT,
+        **_PICTURE_ONLY,
     }
 
 

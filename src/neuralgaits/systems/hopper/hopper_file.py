@@ -8,7 +8,13 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
-from neuralgaits.robots.mjcf.model_contents import HINGE, ON_JOINT, SLIDE, at_zero, joint_label
+from neuralgaits.robots.mjcf.model_contents import (
+    HINGE,
+    JOINT_TRANSMISSIONS,
+    SLIDE,
+    at_zero,
+    joint_label,
+)
 from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.systems import mjcf_problems as problems
 from neuralgaits.systems.hopper.hopper_data import HopperData
@@ -115,7 +121,7 @@ def _motors(model: mujoco.MjModel, joint: int) -> list[int]:
     return [
         motor
         for motor in range(model.nu)
-        if int(kinds[motor]) in ON_JOINT and model.actuator_trnid[motor, 0] == joint
+        if int(kinds[motor]) in JOINT_TRANSMISSIONS and model.actuator_trnid[motor, 0] == joint
     ]
 
 
