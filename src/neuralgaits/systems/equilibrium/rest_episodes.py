@@ -23,7 +23,7 @@ from neuralgaits.systems.joint_map import JointMap
 
 SECONDS = 20.0
 """Length of an episode [s]."""
-REST_RADIUS = 0.01
+AT_REST = 0.01
 """Radius within which an episode counts as at rest."""
 
 
@@ -121,9 +121,9 @@ def _trace_of(
 
 
 def settling_time(one: RestTrace) -> float | None:
-    """Return the time after which the radius stays below `REST_RADIUS` [s]; None if it does not."""
+    """Return the time after which the radius stays below `AT_REST` [s]; None if it does not."""
     # A radius that is no number is not small.
-    above = np.flatnonzero(~(one.radius < REST_RADIUS))
+    above = np.flatnonzero(~(one.radius < AT_REST))
     if not len(above):
         return 0.0
     return None if above[-1] + 1 == len(one.t) else float(one.t[above[-1] + 1])
