@@ -68,7 +68,7 @@ class BipedEnv(gymnasium.Env):
         """Build the plant.
 
         Args:
-            robot: by name, a file, or loaded.
+            robot: name, file, or loaded robot.
             action: meaning of the actions, `target` or `torque`.
             speed: commanded speed (m/s), or a range that each episode draws from.
             disturb: disturbance of the plant, as for `simulate`; each episode draws one of several.

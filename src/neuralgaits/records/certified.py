@@ -80,7 +80,7 @@ class TheoremConstant:
     """Constant of a theorem, for a report.
 
     Attributes:
-        name, value, unit, meaning: those of the constant.
+        name, value, unit, meaning: name, value, unit and meaning of the constant.
         side: whether it is exact, a lower or an upper bound, which decides how it is rounded.
     """
 

@@ -71,7 +71,7 @@ def shapes(model: mujoco.MjModel, motion: BodyMotion, layout: MjcfLayout) -> lis
     Args:
         model: compiled model.
         motion: poses of the model; only the first set is used.
-        layout: of the robot; rods stand for the links of one whose file has no shapes.
+        layout: layout of the robot; rods stand for links if its file has no shapes.
 
     Returns: one dict for each shape, with body (counted from 0), kind, size (m), pos (m), quat and
         colour.

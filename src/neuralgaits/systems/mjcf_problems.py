@@ -78,7 +78,7 @@ def motor_problems(
     """Say what is not one plain motor with limits on one joint.
 
     Args:
-        model: of the file.
+        model: model of the file.
         driven: number of that joint.
         driven_words: what moves there, as in "the cart".
         other_words: what moves elsewhere, as in "the pole".

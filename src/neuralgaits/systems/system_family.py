@@ -15,11 +15,11 @@ class SystemFamily:
     """A family of systems.
 
     Attributes:
-        name: in configs of runs and models of proof files.
+        name: name in configs of runs and models of proof files.
         words: its name in a sentence, with an article.
         built_in: what each robot that comes with it is, by name.
         recognises: whether a robot, by name or path, is meant for this family.
-        assumptions: that its proofs rest on.
+        assumptions: assumptions of its proofs.
         with_levels: adds what follows for trajectories to the result of a checked proof file.
     """
 

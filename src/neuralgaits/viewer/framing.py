@@ -22,7 +22,7 @@ class Framing:
     Attributes:
         top: height of the scene [m].
         wide: its width [m].
-        direction: in which the camera is.
+        direction: direction in which the camera stands.
     """
 
     def __init__(self, top: float, wide: float, direction: Direction = (-0.06, -1.0, 0.06)):

@@ -58,7 +58,7 @@ def planarise_file(
     Args:
         source: name of a built-in robot, or path of an MJCF or URDF file; never changed.
         out: file to make; a copy of the source if that needs no change.
-        feet: of `planarise`.
+        feet: see `planarise`.
         weld: joints to weld, as in `planarise`.
 
     Returns: `RobotFacts` of the new file, with `written` and `changes`.
@@ -98,7 +98,7 @@ def robot_from(
 
     Args:
         source: the robot, its name or the path of its file.
-        feet: those of a changed copy of the file; None for the file as it is.
+        feet: feet of a changed copy of the file; None for the file as it is.
         weld: joints to weld in that copy.
         say: called with a line about its changes, and with each of its warnings.
 

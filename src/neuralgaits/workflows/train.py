@@ -81,11 +81,11 @@ def train_to_the_end(
 
     Args:
         run: unfinished run; its gait is the untrained one.
-        progress: as in `train`.
-        watch: as in `train`.
+        progress: see `train`.
+        watch: see `train`.
         root: folder of the runs.
         start_time: start time of the command, or of this seed of many (s, of `time.perf_counter`).
-        trainer: as in `take_all_steps`.
+        trainer: see `take_all_steps`.
 
     Raises: NonFiniteError; Interrupted for KeyboardInterrupt; InputError if another command trains
         this run.

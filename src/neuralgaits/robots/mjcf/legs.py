@@ -18,10 +18,10 @@ class LegJoint:
     """A leg joint seen both ways: coordinate here = sign * coordinate in the file + offset.
 
     Attributes:
-        joint: of the file.
+        joint: joint of the file.
         sign: +1 or -1.
         offset: [rad], in (-pi, pi].
-        motor: that drives it.
+        motor: motor that drives it.
     """
 
     joint: Joint

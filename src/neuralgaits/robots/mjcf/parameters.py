@@ -118,10 +118,10 @@ class RobotFamily(eqx.Module):
         tables: Re C, Im C, Re b and Im b as linear functions of the features of the types of
             link: mass, its products with the offset of the centre of mass along and across,
             and with the offset squared. [n, n, 4 T], [n, n, 4 T], [n, 4 T], [n, 4 T]
-        masses: of the types of link [kg]. [T]
-        link, joint: of which type each link and each actuated joint is. [n], [m]
+        masses: mass of each type of link [kg]. [T]
+        link, joint: type of each link and of each actuated joint. [n], [m]
         counts: how many links of each type there are. [T]
-        kinds: of the parameters.
+        kinds: kinds of the parameters.
     """
 
     nominal: PlanarBiped
@@ -139,8 +139,8 @@ class RobotFamily(eqx.Module):
         """The family of a robot.
 
         Args:
-            robot: of a file.
-            kinds: of parameters, keys of `UNITS`.
+            robot: robot of a file.
+            kinds: kinds of parameters, keys of `UNITS`.
         """
         leg, torso = links_from_text(robot.layout.xml, robot.name)
         centre, _, _ = derive.centre_coefficients(leg, torso)

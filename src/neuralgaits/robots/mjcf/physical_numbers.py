@@ -92,9 +92,9 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
     """Check one number of a leg.
 
     Args:
-        name: of the quantity, as in `derive.LegData`.
-        words: for the quantity, with its unit.
-        value: in that unit.
+        name: name of the quantity in `derive.LegData`.
+        words: the quantity in words, with its unit.
+        value: number in that unit.
         where: the body or joint that has it.
 
     Raises: RobotError if no robot has this value.
@@ -114,9 +114,9 @@ def refuse_large_foot(radius: float, leg: float, name: str) -> None:
     """Refuse a foot sphere that is no point beside its leg.
 
     Args:
-        radius: of the sphere [m].
+        radius: radius of the sphere [m].
         leg: length of the straight leg, to the sphere's centre [m].
-        name: of the sphere's geom.
+        name: name of the sphere's geom.
 
     Raises: RobotError if it is larger than `LARGEST_FOOT` allows.
     """

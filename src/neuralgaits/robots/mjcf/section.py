@@ -63,7 +63,7 @@ def section(text: str, name: str, weld: frozenset[str]) -> tuple[str, tuple[str,
 
     Args:
         text: MJCF text of a robot, in the plane or in space.
-        name: of the robot, unless the file names its model.
+        name: name of the robot, unless the file names its model.
         weld: names of joints to weld beside those that a section welds.
 
     Returns: MJCF text, and the changes, one line each.

@@ -21,12 +21,12 @@ class SectionFoot:
 
     Attributes:
         kind: "sphere" or "box".
-        place: of its centre in the world at the posture, x + i z [m].
+        place: its centre in the world at the posture, x + i z [m].
         size: radius of the sphere, or half length and half height of the box [m].
         friction: sliding coefficient of foot and floor together.
-        condim: of the contact, as the file has it.
+        condim: dimension of the contact, as the file has it.
         source: what in the file it is made of.
-        name: of the geom in the file, or "".
+        name: name of the geom in the file, or "".
     """
 
     kind: str
@@ -45,7 +45,7 @@ def section_foot(
 
     Args:
         model: the robot.
-        data: of the model at the posture.
+        data: data of the model at the posture.
         link: lowest link of the leg.
         has_ankle: whether the leg has enough hinges for the link to be a foot on an ankle.
 

@@ -18,8 +18,8 @@ def write_pictures(
     Args:
         world: <worldbody> with the bodies of the links.
         model: the robot of the file.
-        data: of the model at the posture.
-        links: by the joint that moves each.
+        data: data of the model at the posture.
+        links: links by the joint that moves each.
     """
     bodies = {body.get("name"): body for body in world.iter("body")}
     for link in links.values():

@@ -31,9 +31,9 @@ def read_sole(
 
     Args:
         model: compiled robot file.
-        data: of the model at zero coordinates.
-        geoms: of the foot that collide with the floor.
-        name: of the foot's body.
+        data: data of the model at zero coordinates.
+        geoms: geoms of the foot that collide with the floor.
+        name: name of the foot's body.
         ankle: place of its joint, x + i z (m).
 
     Raises: RobotError naming the body, what is wrong with its foot, and the remedy.

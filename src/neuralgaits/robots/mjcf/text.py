@@ -19,7 +19,7 @@ def standalone_text(path: Path, dropped: list[str] | None = None) -> str:
     """Read an MJCF file and resolve what it refers to.
 
     Args:
-        path: of the file.
+        path: path of the file.
         dropped: takes the names of pictures that are not there, which are left out then; without
             such a list they are refused.
 
@@ -165,7 +165,7 @@ def _drop_asset(
     """Remove an asset and the geoms that show it, so that the rest of the file can be read.
 
     Args:
-        root: of the file.
+        root: root element of the file.
         asset: section that has the asset.
         entry: the asset.
         bare: whether the file will be used without it, so that no mass may depend on it.

@@ -19,7 +19,7 @@ class Shapes:
 
         Args:
             robot: root element of the URDF.
-            folder: that holds it.
+            folder: folder that holds the file.
             asset: section of the new file that meshes are named in.
         """
         self._folder, self._asset = folder, asset

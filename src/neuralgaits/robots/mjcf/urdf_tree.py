@@ -15,8 +15,8 @@ class UrdfTree:
     """A tree of links.
 
     Attributes:
-        links: by name.
-        joints: in file order.
+        links: <link> elements by name.
+        joints: <joint> elements in file order.
         below: joints by the name of their parent link.
         root: the link that is nobody's child.
     """

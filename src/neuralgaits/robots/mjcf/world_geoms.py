@@ -16,7 +16,7 @@ def obstacles_left_out(text: str, name: str) -> tuple[str, ...]:
 
     Args:
         text: MJCF of a robot that `robot_from_text` takes.
-        name: of the robot.
+        name: name of the robot.
     """
     model = compile_text(text, name)
     names = [_name(model, geom) for geom in _obstacles(model)]

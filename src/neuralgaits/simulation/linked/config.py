@@ -19,7 +19,7 @@ class LinkConfig:
         lockstep: wait for every answer instead of keeping time.
         loss: probability that a packet is lost, each way.
         jitter_ms: packets are late by up to this much, each way, whole milliseconds.
-        blend_s: from holding the first posture to the gait [s].
+        blend_s: time of the change from holding the first posture to the gait [s].
         log: file for the first controller's own log, in the format of AMBER-3M; none if empty.
         address: HOST:PORT of a controller that the user has started; if empty, the run's own is
             compiled and started.

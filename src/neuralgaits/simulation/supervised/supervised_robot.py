@@ -100,7 +100,7 @@ class SupervisedRobot:
         Args:
             q: coordinates with the front leg in stance (rad); its standing posture if None.
             front: the leg in front, 0 or 1.
-            commands: of a gait that takes some.
+            commands: commands of a gait that takes some.
 
         Raises: InputError if the robot has no standing posture and none is given.
         """

@@ -54,7 +54,7 @@ class SupervisorTick:
             touchdown, z (m, kg m^2/s), time since a touchdown, 1e30 before the first [s]. [10]
         targets: of each drive: q_des [rad], dq_des [rad/s], kp [N m/rad], kd [N m s/rad], tau_ff
             [N m]. [2, k, 5]
-        torques: of the file's joints [N m]. [2, k]
+        torques: torques of the file's joints [N m]. [2, k]
     """
 
     def __init__(self, library: ctypes.CDLL, shape: tuple[int, int]):
@@ -70,7 +70,7 @@ class SupervisorTick:
 
         Args:
             estimate: whether rates and velocity are estimated, not measured.
-            commands: of a gait that takes some.
+            commands: commands of a gait that takes some.
         """
         self._library.ng_host_start(self._memory, 0, int(estimate))
         if commands:
@@ -84,7 +84,7 @@ class SupervisorTick:
             time_us: time of the reading; wraps around at 2^32 [us].
             sensors: pitch [rad], its rate [rad/s], velocity x, z [m/s], force on either foot [N],
                 joints [rad], their rates [rad/s], with the signs of the robot file.
-            request: of the operator.
+            request: request of the operator.
         """
         arrays = (self.decided, self.targets, self.torques)
         self._library.ng_host_tick(

@@ -50,7 +50,7 @@ class EllipsoidTrained(TrainedSummary):
 
     Attributes:
         widths: half widths of the set's projections on the coordinates of a state (SI units).
-        volume: of the set, in the product of their units.
+        volume: volume of the set, in the product of their units.
     """
 
     widths: tuple[float, ...]
@@ -63,7 +63,7 @@ class EquilibriumSystem(NetworkSystem):
     Attributes:
         levels: what follows from its conditions.
         recipe: numbers of its training.
-        state_names, state_units: of coordinates and rates.
+        state_names, state_units: names and units of coordinates and rates.
         widest: coordinate that is largest at the start of the first episode.
     """
 
@@ -92,7 +92,7 @@ class EquilibriumSystem(NetworkSystem):
 
         Args:
             run: the run.
-            fields: of a `RestEpisodes`.
+            fields: fields of a `RestEpisodes`.
             largest: value of the first coordinate, on either side.
         """
 

@@ -40,8 +40,8 @@ class FlightPlan:
     """Desired lean and length over the time of a flight.
 
     Attributes:
-        duration: of the flight [s].
-        start, end: of the leg.
+        duration: duration of the flight [s].
+        start, end: states of the leg.
     """
 
     duration: float
@@ -61,9 +61,9 @@ class FlightPlan:
 
         Args:
             robot: the model.
-            start: of the leg.
+            start: state of the leg.
             wheel_momentum: inertia times absolute rate of the wheel [kg m^2/s].
-            height: of the foot over the floor [m].
+            height: height of the foot over the floor [m].
             landing: lean and length at touchdown.
         """
         sine, cosine = math.sin(start.lean), math.cos(start.lean)

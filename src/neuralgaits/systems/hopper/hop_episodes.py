@@ -52,16 +52,16 @@ class HopEpisodes(Record):
     """Result of `simulate`.
 
     Attributes:
-        run, robot: of the run.
+        run, robot: path of the run, and name of its robot.
         episodes: how many, each from a random energy of the tube at touchdown.
-        hops: of an episode.
+        hops: hops of an episode.
         stayed_up: episodes with all their hops.
         done: hops of all episodes.
         in_tube: share of touchdowns within the tube.
         speed: mean forward speed of the hub [m/s].
         air_time: mean duration of a flight [s].
-        largest_force, force_limit: of the leg's motor in stance, N.
-        largest_torque, torque_limit: of the wheel's motor, N m.
+        largest_force, force_limit: force of the leg's motor in stance, and its limit, N.
+        largest_torque, torque_limit: torque of the wheel's motor, and its limit, N m.
         clamped: share of ticks at which a motor was asked for more than its limit.
         wall_s: elapsed time.
     """
@@ -247,8 +247,8 @@ def trace_hops(simulation: HopSimulation, level: float, hops: int) -> HopTrace:
     """Simulate one episode.
 
     Args:
-        simulation: of the run; one serves for many episodes.
-        level: of the tube at the first touchdown.
+        simulation: simulation of the run; one serves for many episodes.
+        level: level of the tube at the first touchdown.
         hops: stances, each with its flight.
     """
     simulation.put(level)

@@ -24,7 +24,7 @@ class TorqueTick(NamedTuple):
     """Torques of a tick, and the state they were computed from.
 
     Attributes:
-        torques: of the motors, right leg first [N m]; not finite where the gait has no pose. [6]
+        torques: motors' torques, right leg first [N m]; not finite where the gait has no pose. [6]
         z: state of the zero dynamics. [4]
         left: whether the robot stands on its left foot.
     """

@@ -89,7 +89,7 @@ class SpatialLive:
     """A walking robot on a page; implements `viewer.player.PlayableRobot`.
 
     Attributes:
-        run: whose gait walks.
+        run: run whose gait walks.
         plants: the robot in MuJoCo.
     """
 

@@ -132,7 +132,7 @@ def _outline(rows: Float[np.ndarray, "2 3"], turn: Float[np.ndarray, " p"]) -> n
     """Return the outline of the ellipsoid's shadow on a plane. [p, 2].
 
     Args:
-        rows: of the half axes.
+        rows: rows of the half axes.
         turn: angles.
     """
     values, vectors = np.linalg.eigh(rows @ rows.T)

@@ -31,7 +31,7 @@ class LinkMotion(NamedTuple):
     """Velocities of all links. Rates of it, by `jax.jvp`, are their accelerations.
 
     Attributes:
-        linear: of the centres of mass [m/s]. [5, 3]
+        linear: velocities of the centres of mass [m/s]. [5, 3]
         angular: [rad/s]. [5, 3]
         spin: angular momenta about their own centres of mass [kg m^2/s]. [5, 3]
     """
@@ -45,9 +45,9 @@ class Jacobians(NamedTuple):
     """Velocities of the links per unit rate of each joint, the stance foot at rest.
 
     Attributes:
-        linear: of the centres of mass. [5, 3, 8]
+        linear: Jacobians of the centres of mass. [5, 3, 8]
         angular: [5, 3, 8]
-        foot: of the swing foot. [3, 8]
+        foot: Jacobian of the swing foot. [3, 8]
     """
 
     linear: Float[Array, "5 3 8"]

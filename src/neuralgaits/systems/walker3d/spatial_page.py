@@ -25,7 +25,7 @@ class SpatialPage(LivePage):
     """A live page of a biped in three dimensions.
 
     Attributes:
-        robot: that walks.
+        robot: simulated robot.
         player: player that moves it.
         url: address of the page.
         port: port that the server listens on.

@@ -72,7 +72,7 @@ def gait_of(
         robot: the model.
         orbit: the periodic orbit.
         scale: see `section_scale`.
-        size: of the tube in L_y, in these.
+        size: half width of the tube in L_y, in these.
 
     Raises: NonFiniteError if the orbit is not stable enough.
     """

@@ -26,7 +26,7 @@ def sampled_margins(
     Args:
         program: outputs of a point of the chart.
         count: points of each region; its boxes share them.
-        seed: of the draw.
+        seed: seed of the draw.
         names: outputs, with the region of each.
 
     Returns: NaN for an output without a value somewhere.
