@@ -31,8 +31,8 @@ class EllipsoidRecipe:
     Attributes:
         samples, worst: states a gradient step, and how many of the worst of them count.
         target: margin that training aims at, in scales: room between random states and all.
-        targets: targets of single conditions; those that need most of a proof's boxes need fewer with
-            more room.
+        targets: targets of single conditions; those that need most of a proof's boxes need
+            fewer with more room.
         gain, penalty: weights of the logarithm of the volume, and of margins below the target.
         learning_rate, last_share: learning rate at the start, and its share at the end.
     """

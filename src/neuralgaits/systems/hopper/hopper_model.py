@@ -21,7 +21,7 @@ class Hopper:
 
     Attributes:
         upper_mass: mass of hub and wheel.
-        upper_offset: distance of their centre of mass from the hip along the leg, away from the foot.
+        upper_offset: distance of their centre of mass beyond the hip, along the leg.
         upper_inertia: about that centre; the wheel counts as a mass on its axis.
         wheel_inertia: about its axis.
         foot_mass: mass of the part that slides.
