@@ -4,6 +4,7 @@ from typing import Any
 
 import equinox as eqx
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits._commands import ADAPTABLE
 from neuralgaits._types import Float
@@ -42,8 +43,8 @@ class JaxTick(LiveTick):
         self._arrays = numbers(self._scene)
         self._batch = batch
 
+    @override
     def restart(self) -> None:
-        """Clear the memory of stance and policy."""
         self._carry = self._record_parts = self.speeds = None
         self.doubted = ()
         controller = self._scene.controller
@@ -51,8 +52,8 @@ class JaxTick(LiveTick):
         first = np.asarray(self._scene.first)
         self._adapted = AdaptedCommand(controller.robot, commands, first, self._adapted_names)
 
+    @override
     def tell(self, requested: Float[np.ndarray, " p"]) -> None:
-        """Request other commands from the next touchdown on."""
         self._requested = np.array(requested, dtype=np.float64)
 
     def adapt(self, active: bool) -> None:
@@ -68,8 +69,8 @@ class JaxTick(LiveTick):
         if self._batch is not None:
             self._arrays = numbers(self._scene)
 
+    @override
     def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> TickOutcome:
-        """Compute one tick at a state of MuJoCo."""
         if self._batch is None:
             self.compile()
         assert self._batch is not None
@@ -92,15 +93,15 @@ class JaxTick(LiveTick):
         return outcome
 
     @property
+    @override
     def record(self) -> TickRecord | None:
-        """Record of the last tick; None before it."""
         if self._record_parts is None or self._batch is None:
             return None
         return self._batch.record_of(self._record_parts)
 
     @property
+    @override
     def measured(self) -> MeasuredTick | None:
-        """State at the last tick; None before it."""
         if (record := self.record) is None:
             return None
         result = record.result

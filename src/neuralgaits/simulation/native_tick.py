@@ -5,6 +5,7 @@ from typing import Any
 
 import equinox as eqx
 import numpy as np
+from typing_extensions import override
 
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
@@ -52,8 +53,8 @@ class NativeTick(LiveTick):
     def compile(self) -> None:
         """Do nothing: the library is compiled already."""
 
+    @override
     def restart(self) -> None:
-        """Clear the memory of stance and policy."""
         self._library.start(byref(self._walk), 0, pointer(self._first))
         self.speeds = None
         self.doubted = ()
@@ -62,12 +63,12 @@ class NativeTick(LiveTick):
             self._walk.orders_used = 0
             self.adapt(bool(self._active))
 
+    @override
     def tell(self, requested: Float[np.ndarray, " p"]) -> None:
-        """Request other commands from the next touchdown on."""
         self._requested[:] = requested  # C reads this array, so it stays where it is.
 
+    @override
     def adapt(self, active: bool) -> None:
-        """Adapt the commands that can be, from now on, or no longer."""
         self._active = int(active)
         if self._requested.size:
             adapt = self._walk.adapt
@@ -82,8 +83,8 @@ class NativeTick(LiveTick):
         self._plant = plant
         self._controls = np.zeros((1, plant.model.nu))
 
+    @override
     def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> TickOutcome:
-        """Compute one tick at a state of MuJoCo."""
         walk, row = self._walk, self._row
         if self._requested.size:
             walk.orders_used = 0
@@ -116,13 +117,13 @@ class NativeTick(LiveTick):
         )
 
     @property
+    @override
     def record(self) -> TickRecord | None:
-        """Record of the last tick; None before it."""
         return record_of(self._row, self._plant.robot) if self._walk.ticks else None
 
     @property
+    @override
     def measured(self) -> MeasuredTick | None:
-        """State at the last tick; None before it."""
         if not self._walk.ticks:
             return None
         row = self._row[0]

@@ -10,6 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 from matplotlib.figure import Figure
+from typing_extensions import override
 
 from neuralgaits._checks import SEEDS
 from neuralgaits._types import Array, Float
@@ -100,8 +101,8 @@ class EquilibriumSystem(NetworkSystem):
     def reach_in_words(self, episodes: Any) -> tuple[str, str]:
         """Return name and words of how far the first coordinate went."""
 
+    @override
     def untrained(self, config: NetworkConfig) -> EllipsoidController:
-        """Return a controller of zeros, to read arrays into."""
         return EllipsoidController(Controls.zeros(config.width), Ball(np.zeros((4, 4))))
 
     def refuse_controller(self, controller: EllipsoidController, file: Path) -> None:
@@ -169,10 +170,10 @@ class EquilibriumSystem(NetworkSystem):
         """Return the rate that descent and settling are about."""
         return {"rate": config.rate}
 
+    @override
     def conclude(
         self, bounds: Mapping[str, float | None], config: NetworkConfig, level: int
     ) -> tuple[Conclusion, ...]:
-        """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         return self.levels.conclude(bounds, config.rate, level)
 
     def law(self, run: FamilyRun) -> Callable[[Float[Array, "4"]], dict[str, Array]]:

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
+from typing_extensions import override
 
 from neuralgaits._checks import SEEDS
 from neuralgaits._types import Array, Float
@@ -68,8 +69,8 @@ class HopperSystem(NetworkSystem):
     about_proofs = "the rigid model's hybrid zero dynamics: flights as their ends"
     robot_file = Path(__file__).with_name("hopper.xml")
 
+    @override
     def read(self, text: str, name: str) -> tuple[Hopper, HopperData]:
-        """Read model and numbers from MJCF text. Raises: RobotError with all that is wrong."""
         return read_hopper(text, name)
 
     def robot_facts(self, robot: Hopper, data: HopperData) -> HopperFacts:
@@ -103,8 +104,8 @@ class HopperSystem(NetworkSystem):
             ]
         )
 
+    @override
     def untrained(self, config: NetworkConfig) -> HopController:
-        """Return a controller of zeros, to read arrays into."""
         width, powers = config.width, np.zeros(DEGREE + 1)
         network = np.zeros((width, 2)), np.zeros(width), np.zeros(width)
         policy = LengthPolicy(np.zeros(4), np.zeros(()), *network, powers, np.zeros(()))
@@ -172,14 +173,14 @@ class HopperSystem(NetworkSystem):
         """Return the rate of approach that is asked for."""
         return {"rate": config.rate}
 
+    @override
     def conclude(
         self, bounds: Mapping[str, float | None], config: NetworkConfig, level: int
     ) -> tuple[Conclusion, ...]:
-        """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         return conclude(bounds, config.rate, level)
 
+    @override
     def header(self, run: FamilyRun) -> ControllerHeader:
-        """Return names and numbers of the exported controller."""
         return header_of(run)
 
     def law(self, run: FamilyRun) -> Callable[[Float[Array, "13"]], dict[str, Array]]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from typing_extensions import override
 
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError, RunError
@@ -107,9 +108,9 @@ class SpatialSystem(ExportedSystem):
         """Return the configuration of a training of a robot that is yet to be read.
 
         Args:
-            seed: that the run keeps; nothing is drawn.
+            seed: seed that the run keeps; nothing is drawn.
             steps: iterations at most; the usual number if None.
-            speed: to walk at [m/s]; one that goes with the legs' length if None.
+            speed: speed to walk at [m/s]; one that goes with the legs' length if None.
 
         Raises: InputError on bad settings.
         """
@@ -130,8 +131,8 @@ class SpatialSystem(ExportedSystem):
             aimed_speed_m_s=speed,
         )
 
+    @override
     def untrained(self, config: Any) -> SpatialGait:
-        """Return a gait of zeros, to read arrays into."""
         del config
         return empty_gait()
 
@@ -203,15 +204,15 @@ class SpatialSystem(ExportedSystem):
         del config
         return {}
 
+    @override
     def conclude(
         self, bounds: Mapping[str, float | None], config: SpatialConfig, level: int
     ) -> tuple[Conclusion, ...]:
-        """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         del config
         return conclude(bounds, level)
 
+    @override
     def header(self, run: FamilyRun) -> ControllerHeader:
-        """Return names and numbers of the exported controller."""
         return header_of(run)
 
     def law(self, run: FamilyRun) -> Callable[[Float[Array, "20"]], dict[str, Array]]:
