@@ -123,8 +123,13 @@ class WalkInputs(WalkOptions):
     def __post_init__(self) -> None:
         for one in (self.plant, *(self.robots or ())):
             _check_same_joints(self.robot, one)
-        _positive_whole("steps", self.steps)
-        _finite_impulse(self.push)
+        if not isinstance(self.steps, int | np.integer) or self.steps < 1:
+            raise InputError(
+                f"--steps: expected a whole number of at least 1, found {self.steps!r}"
+            )
+        check_walked("steps", int(self.steps))
+        if not np.isfinite(self.push):
+            raise InputError(f"push: expected a finite impulse in N s, found {self.push}")
         check_simulator(self.simulator)
         if self.simulator != MUJOCO and self.disturbance and self.disturbance.has_drives:
             raise InputError(
@@ -272,14 +277,3 @@ def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:
             f"plant {plant.name} has {plant.n} links, the policy's robot {robot.name} has "
             f"{robot.n}{other_feet}: take a plant with the same joints"
         )
-
-
-def _positive_whole(name: str, value: int) -> None:
-    if not isinstance(value, int | np.integer) or value < 1:
-        raise InputError(f"--{name}: expected a whole number of at least 1, found {value!r}")
-    check_walked(name, int(value))
-
-
-def _finite_impulse(push: float) -> None:
-    if not np.isfinite(push):
-        raise InputError(f"push: expected a finite impulse in N s, found {push}")

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers import Box, Gait, GaitSpec, specs
+from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import ConvergenceError, InputError, NeuralGaitsError
 from neuralgaits.gait import ZeroDynamics
@@ -140,14 +140,12 @@ def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> Train
 
 def _measured(spec: GaitSpec, program: Program) -> dict[str, Violations]:
     """Return each condition's violations on random samples of its region."""
-    rng, samples = np.random.default_rng(0), {}
+    rng = np.random.default_rng(0)
+    samples = {}
     for name, boxes in spec.regions.items():
-        u = np.concatenate([_draw_in(box, rng) for box in boxes])
-        samples[name] = evaluate(program, {"u": u}, POINT)
+        points = []
+        for box in boxes:
+            low, high = np.array(box.low), np.array(box.high)
+            points.append(low + (high - low) * rng.random((2000, 2)))
+        samples[name] = evaluate(program, {"u": np.concatenate(points)}, POINT)
     return {c.name: violations(samples[c.region][c.name], c.scale) for c in spec.conditions}
-
-
-def _draw_in(box: Box, rng: np.random.Generator) -> np.ndarray:
-    low, high = np.array(box.low), np.array(box.high)
-    samples = 2000
-    return low + (high - low) * rng.random((samples, 2))

@@ -71,7 +71,8 @@ def section_foot(
     flat = toe - heel >= shortest and max(toe, ankle) - min(heel, ankle) > high > 0.0
     if has_ankle and flat:
         half = min(0.0125, high / 4.0)
-        what = "its mesh ends" if _is_mesh(model, lowest) else "its shapes end"
+        is_mesh = model.geom_type[lowest] == mujoco.mjtGeom.mjGEOM_MESH
+        what = "its mesh ends" if is_mesh else "its shapes end"
         return SectionFoot(
             "box",
             complex((heel + toe) / 2.0, level + half),
@@ -141,7 +142,3 @@ def _contact(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> tuple[flo
     deciding = [one for one in pair if model.geom_priority[one] == priorities.max()]
     friction = float(model.geom_friction[deciding, 0].max())
     return friction, int(model.geom_condim[deciding].max())
-
-
-def _is_mesh(model: mujoco.MjModel, geom: int) -> bool:
-    return bool(model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH)
