@@ -82,12 +82,7 @@ class LiveWalk:
         self.laps: tuple[int, ...] = ()
         self._robot = robot
         controller = Controller.init(
-            robot,
-            policy,
-            law,
-            z2_range=z2_range,
-            period_s=PERIOD_S,
-            reset_residual=reset_residual,
+            robot, policy, law, z2_range=z2_range, period_s=PERIOD_S, reset_residual=reset_residual
         )
         self._limit = np.asarray(controller.torque_limit)
         self._commands = LiveCommands(policy.commands, ground and ground.courses.schedule)

@@ -65,8 +65,7 @@ class LiveGait:
         self.chart = PlaneChart(run.gait, run.spec)
         zd = run.zero_dynamics
         self._onto = PointEvaluator(lambda z: {"x": zd.phi_inv(z)})
-        halfway = np.array([0.5])
-        self._middle = self.chart.z(halfway, halfway)[0]
+        self._middle = self.chart.z(*np.full((2, 1), 0.5))[0]
         self.live = LiveWalk(
             run.robot,
             run.trained.policy,
@@ -84,8 +83,7 @@ class LiveGait:
         self._beliefs_within: float | None = None
         self._z = self._middle
         self._begun = 0.0
-        self._pace = StepSpeed()
-        self._trail = Trail()
+        self._pace, self._trail = StepSpeed(), Trail()
 
     def look_with(self, evaluate: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
@@ -284,8 +282,7 @@ class LiveGait:
             return False
         self._z = z
         self._begun = self.live.time
-        self._pace = StepSpeed()
-        self._trail = Trail()
+        self._pace, self._trail = StepSpeed(), Trail()
         if self._monitor is not None:
             self._monitor.restart()
         return True

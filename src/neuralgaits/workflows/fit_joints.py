@@ -69,8 +69,7 @@ def fit_joints(
     read, left_out = walks.read_all(paths, robot, columns=columns, policy=trained.gait.policy)
     _refuse_without_torques(read)
     strides, more_left_out = _strides(read, trained)
-    every = 5  # Every fifth stride is reported on, and the others are identified from.
-    heldout = list(range(every - 1, len(strides), every))
+    heldout = list(range(4, len(strides), 5))  # Every fifth stride is only reported on.
     fitted = [number for number in range(len(strides)) if number not in heldout]
     links = eqx.Partial(link_momenta, robot)
     joints = tuple(

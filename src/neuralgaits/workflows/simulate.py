@@ -178,9 +178,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
     if terrain is not None:
         episodes = settings.episodes
         steps = settings.steps
-        policy = run.gait.policy
         courses = courses_of(
-            terrain, run.robot, policy, schedule, steps=steps, seed=seed, episodes=episodes
+            terrain, run.robot, run.gait.policy, schedule, steps=steps, seed=seed, episodes=episodes
         )
         own = commands_from_terrain(terrain)
         kept = {name: value for name, value in (run.command or {}).items() if name not in own}
