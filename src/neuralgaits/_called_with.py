@@ -58,7 +58,7 @@ class PythonType:
     """Mark of a field whose type is wider for a Python caller.
 
     Attributes:
-        words: that type.
+        words: name of that type.
         kinds: its classes; empty if whatever uses the value judges it.
         elements: classes of its elements, for a sequence.
     """

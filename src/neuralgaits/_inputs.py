@@ -22,8 +22,6 @@ MOST_BYTES = 2**26
 """Largest file that is read whole; the largest proof so far is a tenth of this."""
 MOST_LOG_BYTES = 2**31
 """Largest log: days of walking."""
-MOST_BYTES_OF_NAME = 255
-"""Longest name of one file or folder, on all usual systems."""
 
 
 @contextlib.contextmanager
@@ -73,10 +71,11 @@ def refuse_no_path(what: str, value: object) -> None:
     # Halves of characters, which no name has, are told of where the file is looked for.
     names = (part.encode("utf-8", "surrogatepass") for part in Path(value).parts)
     longest = max(map(len, names), default=0)
-    if longest > MOST_BYTES_OF_NAME:
+    most_bytes = 255  # Of the name of one file or folder, on all usual systems.
+    if longest > most_bytes:
         raise InputError(
             f"expected {what}, found a name of {longest} bytes, and a file's or folder's has at "
-            f"most {MOST_BYTES_OF_NAME}: {shown(str(value))}"
+            f"most {most_bytes}: {shown(str(value))}"
         )
 
 

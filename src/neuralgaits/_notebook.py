@@ -12,8 +12,8 @@ def table(title: str, rows: Iterable[Sequence[object]], head: Sequence[str] = ()
 
     Args:
         title: one line above it.
-        rows: of cells.
-        head: of the columns; none for names and values.
+        rows: rows of cells.
+        head: names of the columns; none for names and values.
     """
     top = f"<thead><tr>{_cells('th', head)}</tr></thead>" if head else ""
     body = "".join(f"<tr>{_cells('td', row)}</tr>" for row in rows)

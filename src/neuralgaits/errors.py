@@ -74,7 +74,7 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C during work that can be resumed.
 
     Attributes:
-        command: that resumes it.
+        command: command line that resumes it.
         more: text after the message.
     """
 

@@ -13,7 +13,7 @@ from neuralgaits.certificate.proof_file import check, consistency, coverage, the
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.programs import Constant, Input, Operation, Output, Program
 from neuralgaits.records.certified import Conclusion
-from neuralgaits.records.levels import WORDS
+from neuralgaits.records.level_words import WORDS
 from support import small_proof
 
 BOX = (0.0, 0.0), (1.0, 1.0)

@@ -20,7 +20,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import hashes, rea
 from neuralgaits.errors import SpecError
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.certified import PROOF
-from neuralgaits.records.levels import HIGHEST_OF_MANY, WORDS
+from neuralgaits.records.level_words import HIGHEST_OF_MANY, WORDS
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.viewer.sureness import how_sure

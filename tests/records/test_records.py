@@ -9,7 +9,7 @@ import pytest
 
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
-from neuralgaits.records.levels import HIGHEST
+from neuralgaits.records.level_words import HIGHEST
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.simulated import ModelOrbit, SimulationSummary
 from neuralgaits.records.trained import TrainingSummary, Violations

@@ -23,7 +23,7 @@ from neuralgaits.report.page.document import document
 from neuralgaits.report.page.markup import Html, number, tag, text
 from neuralgaits.report.page.proof import certificate
 from neuralgaits.report.page.training import training
-from neuralgaits.report.page.walking import animation, simulations
+from neuralgaits.report.page.walks import animation, simulations
 from support.refuted_run import refute
 
 HOSTILE = "\"><img src=x onerror=alert(1)></script><script>alert('&')</script>"

@@ -6,7 +6,7 @@ import pytest
 
 from neuralgaits.barriers import functions, specs
 from neuralgaits.records import certificate_sentences
-from neuralgaits.records.levels import WORDS
+from neuralgaits.records.level_words import WORDS
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges

@@ -14,14 +14,12 @@ from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, ver
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.checked import ProofCheck
 from neuralgaits.records.fitted import FitSummary
-from neuralgaits.records.levels import FULL_ORDER_LEVEL, WORDS
+from neuralgaits.records.level_words import FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary
 from neuralgaits.runs.shell_words import command, named
 
-_NAMED = 3
-"""Conditions that a line names before it counts."""
 _MORE = "-v prints more"
 
 
@@ -216,5 +214,6 @@ def brief_report(result: ReportRecord) -> None:
 
 
 def _list(names: Sequence[str]) -> str:
-    more = len(names) - _NAMED
-    return ", ".join(names[:_NAMED]) + (f" and {more} more" if more > 0 else "")
+    named_at_most = 3  # Conditions that a line names before it counts.
+    more = len(names) - named_at_most
+    return ", ".join(names[:named_at_most]) + (f" and {more} more" if more > 0 else "")

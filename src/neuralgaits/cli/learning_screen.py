@@ -9,7 +9,9 @@ from neuralgaits.runs.shell_words import command, named
 
 def show_fit(result: FitSummary) -> None:
     """Show errors with and without the residual, at touchdowns, too, and the data that was used."""
-    learned, nominal, better = result.heldout_error, result.nominal_heldout_error, result.better
+    learned = result.heldout_error
+    nominal = result.nominal_heldout_error
+    better = result.better
     share = f"{100.0 * learned / nominal:.3g} %" if nominal and learned is not None else "all"
     verdict = Text("learned" if better else "not learned", "green" if better else "red")
     show_sentence(verdict, f": {share} of the model's error is left on held-out strides")

@@ -17,18 +17,6 @@ from neuralgaits.errors import InputError
 from neuralgaits.settings.options import ONLY_PYTHON, POSITIONAL
 
 _NUMBERS = {float: ("a number", decimal), int: ("a whole number", whole)}
-_VERBOSE = "-v"
-_COMMANDED = {
-    "simulate": ("--command", "command a gait", "{}"),
-    "certify": ("--within", "prove a gait for a part of its commands", "{0}:{0}"),
-}
-"""Verbs that take a command in another way than `train`: option, purpose and form of the value."""
-_EXAMPLE_COMMANDS = {
-    "--speed": "0.8",
-    "--step-length": "0.4",
-    "--step-height": "0.02",
-    "--slope": "3",
-}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -87,9 +75,9 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
                     "commas"
                 )
             flags.add(name)
-        elif word.startswith("-") and word not in ("-", _VERBOSE):
+        elif word.startswith("-") and word not in ("-", "-v"):
             raise InputError(f"unknown option {word} of {verb}; {_see(verb)}")
-        elif word != _VERBOSE:
+        elif word != "-v":
             alone.append(word)
     _refuse_count(verb, alone, positional)
     for name, one in options.items():
@@ -109,10 +97,21 @@ def _refuse_elsewhere(verb: str, word: str, verbs: Mapping[str, type]) -> None:
     *others, last = owners
     listed = f"{', '.join(others)} and {last}" if others else last
     way = _see(verb)
-    if verb in _COMMANDED and name in _EXAMPLE_COMMANDS:
-        use, purpose, form = _COMMANDED[verb]
+    # Verbs that take a command in another way than `train`: option, purpose and form of the value.
+    otherwise_commanded = {
+        "simulate": ("--command", "command a gait", "{}"),
+        "certify": ("--within", "prove a gait for a part of its commands", "{0}:{0}"),
+    }
+    examples = {
+        "--speed": "0.8",
+        "--step-length": "0.4",
+        "--step-height": "0.02",
+        "--slope": "3",
+    }
+    if verb in otherwise_commanded and name in examples:
+        use, purpose, form = otherwise_commanded[verb]
         command = name.removeprefix("--").replace("-", "_")
-        way = f"to {purpose} use {use} {command}={value or form.format(_EXAMPLE_COMMANDS[name])}"
+        way = f"to {purpose} use {use} {command}={value or form.format(examples[name])}"
     # A plural of it: `--logs` where `--log` was typed.
     longer = next((own for own in options_of(verbs[verb]) if own.startswith(name)), None)
     if longer is not None:

@@ -26,8 +26,6 @@ _BAR = 24
 """Width of a bar [characters], with which the whole line fits 80 columns."""
 MANY_BOXES: dict[Arithmetic, int] = {"doubles": 10_000_000, "balls": 100_000}
 """From here on a proof takes this program hours to check, and the C++ checker minutes."""
-_NAMED = 3
-"""Conditions that a line names before it gives a count."""
 
 
 class _OnTerminal:
@@ -119,10 +117,13 @@ class TrainingProgress(_OnTerminal):
     def round_ended(self, proof_round: "ProofRound") -> None:
         """Print the result of a certificate in a permanent line."""
         line = f"certificate after {proof_round.steps} steps: {proof_round.verdict}"
+        named_at_most = 3  # Conditions that a line names before it gives a count.
         if proof_round.failing:
             worst = sorted(proof_round.failing, key=lambda name: -proof_round.failing[name])
-            more = f" and {len(worst) - _NAMED} more" if len(worst) > _NAMED else ""
-            line += f", {proof_round.open_boxes} boxes open: {', '.join(worst[:_NAMED])}{more}"
+            more = f" and {len(worst) - named_at_most} more" if len(worst) > named_at_most else ""
+            line += (
+                f", {proof_round.open_boxes} boxes open: {', '.join(worst[:named_at_most])}{more}"
+            )
         if proof_round.smallest_margin is not None:
             line += f", smallest margin {proof_round.smallest_margin:.3g} of its scale"
         self.say(line)

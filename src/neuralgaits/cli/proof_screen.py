@@ -22,8 +22,6 @@ from neuralgaits.records.certified import (
 from neuralgaits.records.checked import ProofCheck
 
 _INDENT = 2
-_TOGETHER = 4
-"""Barriers whose constants share a table: names and numbers of four fit 80 columns."""
 
 
 def show_proof(result: CertificateRecord) -> None:
@@ -124,8 +122,10 @@ def _show_constants(constants: Sequence[TheoremConstant]) -> None:
         if colon:
             each.setdefault(barrier, {})[name] = _rounded(one)
     barriers = list(each)
-    for first in range(0, len(barriers), _TOGETHER):
-        group = barriers[first : first + _TOGETHER]
+    # Barriers whose constants share a table: names and numbers of four fit 80 columns.
+    together = 4
+    for first in range(0, len(barriers), together):
+        group = barriers[first : first + together]
         names = dict.fromkeys(name for barrier in group for name in each[barrier])
         show_table(
             ("of each barrier", *group),

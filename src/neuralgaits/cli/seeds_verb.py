@@ -50,7 +50,9 @@ def carry_out_seeds(verb: TrainOptions) -> Outcome:
 
 def show_seeds(result: SeedsSummary) -> None:
     """Show how many seeds satisfy all conditions, which ones do not, and the best seed."""
-    every, holding, refused = len(result.seeds), result.holding, result.refused
+    every = len(result.seeds)
+    holding = result.holding
+    refused = result.refused
     state = Text("trained", "yellow" if refused else "green")
     sentence = f"; all {result.conditions} conditions hold on fresh samples of {len(holding)}"
     trained = every - len(refused)

@@ -28,7 +28,7 @@ from neuralgaits.cli.arguments import (
     ViewOptions,
 )
 from neuralgaits.cli.argv_parser import Verb, given, verb_name
-from neuralgaits.cli.family_verbs import outcome_of_family
+from neuralgaits.cli.family_outcome import outcome_of_family
 from neuralgaits.cli.given_verbs import carry_out_import, carry_out_optimise
 from neuralgaits.cli.learning_verbs import carry_out_episodes, carry_out_fit, carry_out_refine
 from neuralgaits.cli.outcome import Outcome

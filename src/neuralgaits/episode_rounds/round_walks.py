@@ -33,8 +33,10 @@ from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import walk
 
-STARTS, STEPS = 10, 200
-"""Number of walks that start anywhere in the tube, and walking steps requested of each."""
+STARTS = 10
+"""Number of walks that start anywhere in the tube."""
+STEPS = 200
+"""Walking steps requested of each of these."""
 SPEEDS = tuple(float(share) for share in np.linspace(0.8, 1.2, 10))
 """z2 of the starts at z1 = 0 that are judged, in units of the nominal z2."""
 BEYOND = (0.5, 0.6, 0.7, 1.3, 1.4, 1.5)

@@ -68,7 +68,7 @@ class BipedEnv(gymnasium.Env):
         """Build the plant.
 
         Args:
-            robot: by name, a file, or loaded.
+            robot: name, file, or loaded robot.
             action: meaning of the actions, `target` or `torque`.
             speed: commanded speed (m/s), or a range that each episode draws from.
             disturb: disturbance of the plant, as for `simulate`; each episode draws one of several.
@@ -83,7 +83,9 @@ class BipedEnv(gymnasium.Env):
         self.render_mode = render_mode
         self._speed = _range("speed", speed, 0.0, LARGEST_SPEED)
         self._push = _range("push", push, -1e3, 1e3)
-        self._reward, self._ticks, self._torques = reward_of(reward), ticks, action == "torque"
+        self._reward = reward_of(reward)
+        self._ticks = ticks
+        self._torques = action == "torque"
         disturbances = _disturbances(disturb)
         if not isinstance(robot, str | Path | PlanarBiped):
             raise InputError(f"robot: expected a name, a path or a robot, found {shown(robot)}")
@@ -132,7 +134,9 @@ class BipedEnv(gymnasium.Env):
         push = draw.uniform(*self._push)
         plant = self._plants[int(draw.integers(len(self._plants)))]
         slowest = 0.5  # As a share of the commanded speed.
-        leg, share, pace = int(draw.integers(2)), draw.uniform(), draw.uniform(slowest, 1.0)
+        leg = int(draw.integers(2))
+        share = draw.uniform()
+        pace = draw.uniform(slowest, 1.0)
         q, dq = self._first.at(share, pace * self._requested_speed)
         if "state" in options:
             leg, (q, dq) = 0, np.split(self._checked_state(options["state"]), 2)

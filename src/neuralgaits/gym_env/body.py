@@ -110,7 +110,10 @@ class Body:
         self._push = Push(push, ENDLESS, seed, 1)
         self._terrain = Terrain(disturbance.floor_height, seed, 1)
         self._waiting = deque([np.zeros(self.joints)] * plant.delay_ticks)
-        self.leg, self.steps, self.since, self.work = leg, 0, 0.0, 0.0
+        self.leg = leg
+        self.steps = 0
+        self.since = 0.0
+        self.work = 0.0
         self._landed = False
 
     def tick(self, torques: Torques) -> bool:
@@ -132,14 +135,18 @@ class Body:
         self.since += PERIOD_S
         self._landed = self._touched_down()
         if self._landed:
-            self.leg, self.since, self.steps = 1 - self.leg, 0.0, self.steps + 1
+            self.leg = 1 - self.leg
+            self.since = 0.0
+            self.steps = self.steps + 1
         if self._terrain.uneven:
             self._lay()
         return self._landed
 
     def _touched_down(self) -> bool:
         """Return whether the swing foot touched down, by the rules of `control.touchdown`."""
-        data, config, swing = self.data, self._stance, 1 - self.leg
+        data = self.data
+        config = self._stance
+        swing = 1 - self.leg
         force = data.sensordata[self._touch[swing]]
         if not force:
             # In the air, as in most ticks.

@@ -6,9 +6,6 @@ from neuralgaits._types import Float
 from neuralgaits.gait.posture import posture_path, walking_posture
 from neuralgaits.robots import PlanarBiped
 
-REACH = 0.9
-"""Share of the way from mid-step to the guard, in both directions, that has postures."""
-
 
 class FirstStates:
     """Full initial states of a robot within a rough step, with consistent output rates."""
@@ -17,7 +14,9 @@ class FirstStates:
         """Solve the inverse kinematics of the step once."""
         self._robot = robot
         hip_positions = 25
-        self._z1 = np.linspace(-REACH, REACH, hip_positions) * walking_posture(robot).z_guard
+        # Share of the way from mid-step to the guard, in both directions, that has postures.
+        reach = 0.9
+        self._z1 = np.linspace(-reach, reach, hip_positions) * walking_posture(robot).z_guard
         self._outputs = posture_path(robot, self._z1)
         self._slopes = np.gradient(self._outputs, self._z1, axis=0)
 

@@ -33,7 +33,7 @@ class LearnedLean:
         )
 
 
-_AT_END = ", the end of the gait's range: more than that it cannot learn"
+_END_OF_RANGE = ", the end of the gait's range: more than that it cannot learn"
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class BelievedLean:
             last = self.believed_m[-1]
             outcome = (
                 f"believed {abs(1e3 * last):.1f} mm {_side(last)} the file's after "
-                f"{len(self.believed_m)} steps{_AT_END if self.at_end else ''}"
+                f"{len(self.believed_m)} steps{_END_OF_RANGE if self.at_end else ''}"
             )
         about = "no proof of this run is about what it believes"
         if self.proved_level is not None and self.near_m is not None:
@@ -95,7 +95,7 @@ class BelievedSlope:
             last = math.degrees(self.believed_rad[-1])
             way = "uphill" if last >= 0.0 else "downhill"
             outcome = f"believed {abs(last):.2f} degrees {way} after {len(self.believed_rad)} steps"
-            outcome += _AT_END if self.at_end else ""
+            outcome += _END_OF_RANGE if self.at_end else ""
         about = "no proof of this run is about what it believes"
         if self.proved_level is not None:
             about = (

@@ -2,7 +2,7 @@
 
 from neuralgaits._digits import at_least
 from neuralgaits.records.certified import CertificateRecord, Verdict
-from neuralgaits.records.levels import (
+from neuralgaits.records.level_words import (
     DISTURBED_LEVEL,
     FOR_EVER,
     FULL_ORDER_LEVEL,
@@ -12,8 +12,6 @@ from neuralgaits.records.levels import (
     WORDS,
 )
 
-_ONE_ROBOT = "masses and lengths are those of the robot file"
-_EXACT = "joints are exactly where the gait wants them"
 AS_STATED = (
     "This is what the proof file states. For this page the conditions were derived again from the "
     "run's files and are those of the proof, and its bounds were compared with values at a few "
@@ -40,10 +38,11 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
         level: proved level.
         robots: box of robots that it is about, in words; None for the robot of the file.
     """
-    robot = _ONE_ROBOT
+    one_robot = "masses and lengths are those of the robot file"
+    robot = one_robot
     if robots is not None and robots.startswith("lean="):
         robot = (
-            f"{_ONE_ROBOT}, but for the torso's centre of mass, which is up to "
+            f"{one_robot}, but for the torso's centre of mass, which is up to "
             f"{robots.partition('=')[2]} from where the robot believes it at each touchdown"
         )
     elif robots is not None:
@@ -56,9 +55,10 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
         "sudden and without bounce; the ground is where the gait expects it, or no further off "
         f"than is stated; {robot}; the gait's numbers are those stored in the run"
     )
+    exact = "joints are exactly where the gait wants them"
     if level < WALKING_SET_LEVEL:
-        return rigid, _EXACT
-    following = f"{_EXACT}, and are so again after each impact"
+        return rigid, exact
+    following = f"{exact}, and are so again after each impact"
     if level < FULL_ORDER_LEVEL:
         return rigid, following
     sentences = (

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Annotated, Literal
 
-from neuralgaits.records.levels import FULL_ORDER_LEVEL, HIGHEST, WORDS
+from neuralgaits.records.level_words import FULL_ORDER_LEVEL, HIGHEST, WORDS
 from neuralgaits.records.record import Count, Pair, Record, Share, Texts
 from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 
@@ -80,7 +80,7 @@ class TheoremConstant:
     """Constant of a theorem, for a report.
 
     Attributes:
-        name, value, unit, meaning: those of the constant.
+        name, value, unit, meaning: name, value, unit and meaning of the constant.
         side: whether it is exact, a lower or an upper bound, which decides how it is rounded.
     """
 

@@ -49,7 +49,7 @@ class DeploymentCheck(Record):
         file, log, run, robot: what was compared.
         agrees: whether nothing in the log contradicts the file.
         findings: contradictions.
-        joints: what was checked, by joint.
+        joints: findings by joint.
         unchecked: what the log does not say, in words.
         wall_s: elapsed time.
     """

@@ -141,7 +141,7 @@ class ExportRecord(Record):
     """Result of an export.
 
     Attributes:
-        run, format, out: as requested.
+        run, format, out: run, format and folder as requested.
         files: names of the written files.
         laws: control laws of the controller.
         warnings: reasons against using the gait on a robot.

@@ -6,9 +6,6 @@ from dataclasses import dataclass, field
 
 from neuralgaits.records.record import Count, Record, Texts
 
-PER_MILLE = 1e-3
-"""Resolution of suggested half widths, which are rounded up."""
-
 
 @dataclass(frozen=True)
 class Estimate:
@@ -111,4 +108,5 @@ def _half_width(rotors: Sequence[tuple[float, Estimate]]) -> float | None:
         return None
     ends = ((centre, end) for centre, one in rotors for end in (one.low, one.high))
     half = max(abs(end / centre - 1.0) for centre, end in ends)
-    return math.ceil(half / PER_MILLE) * PER_MILLE
+    per_mille = 1e-3  # Resolution of suggested half widths, which are rounded up.
+    return math.ceil(half / per_mille) * per_mille

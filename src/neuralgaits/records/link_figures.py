@@ -30,7 +30,7 @@ class LinkFigures(Record):
     Attributes:
         law, mode: its control law, and the mode of the connection.
         loss, jitter_ms, blend_s: as requested.
-        address: of a controller that the user started; None for the run's own.
+        address: address of a controller that the user started; None for the run's own.
         ticks: control ticks.
         packets_sent, packets_lost, packets_late, deadline_misses, overruns: counts.
         faults: faults of each controller.

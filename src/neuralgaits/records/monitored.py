@@ -28,7 +28,7 @@ class TickOutside:
         walk: number of the walk.
         time_s: time of the tick [s].
         name: name of its smallest margin.
-        margin: that margin.
+        margin: value of that margin.
     """
 
     walk: Count
@@ -60,7 +60,7 @@ class MonitorFigures:
 
     Attributes:
         ticks: number of control ticks of all walks.
-        levels: by number of the level.
+        levels: occupancies by number of the level.
         admissible: share of ticks whose commands are in the proved ranges and changes.
         in_time: share of ticks no later than the proved hold of level 5; None if none is proved.
         proof_sha256: sha256 of the proof file that the sets are from.

@@ -84,10 +84,11 @@ def shape_of(kind: Any) -> shapes.Shape:
         }
         return plain.get(kind, lambda value: None)
     kinds = get_type_hints(kind, include_extras=True)
-    shape = {
-        field.name + "?" * _has_default(field): shape_of(kinds[field.name])
-        for field in dataclasses.fields(kind)
-    }
+    shape = {}
+    missing = dataclasses.MISSING
+    for field in dataclasses.fields(kind):
+        required = field.default is missing and field.default_factory is missing
+        shape[field.name if required else f"{field.name}?"] = shape_of(kinds[field.name])
     same = getattr(kind, "SAME_LENGTH", ())
     return shapes.same_length(shape, *same) if same else shape
 
@@ -110,8 +111,3 @@ def build(kind: Any, value: Any) -> Any:
     kinds, names = get_type_hints(kind, include_extras=True), dataclasses.fields(kind)
     values = {f.name: build(kinds[f.name], value[f.name]) for f in names if f.name in value}
     return kind(**values)  # type: ignore[operator]
-
-
-def _has_default(field: dataclasses.Field) -> bool:
-    missing = dataclasses.MISSING
-    return field.default is not missing or field.default_factory is not missing

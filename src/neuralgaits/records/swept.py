@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from neuralgaits._checks import SEEDS
 from neuralgaits.records.certified import Verdict
-from neuralgaits.records.levels import WORDS
+from neuralgaits.records.level_words import WORDS
 from neuralgaits.records.record import Count, Disturb, Record, Texts
 from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs.shape import NUMBER, list_of, may, one_of, whole

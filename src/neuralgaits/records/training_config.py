@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Protocol
 
 from neuralgaits._checks import SEEDS
 from neuralgaits.errors import RunError
-from neuralgaits.records.levels import HIGHEST, HIGHEST_OF_MANY
+from neuralgaits.records.level_words import HIGHEST, HIGHEST_OF_MANY
 from neuralgaits.records.record import Pair, Record, build, shape_of
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG
@@ -15,8 +15,10 @@ from neuralgaits.runs.shape import NUMBER, TEXT, list_of, table_of, whole
 
 HIGHEST_DEGREE = 20
 """Highest degree of output polynomials; above it Bernstein's form would lose digits."""
-WIDEST, DEEPEST = 2**14, 16
-"""Largest hidden layers of a config; larger ones mean damage, and would fill the memory."""
+WIDEST = 2**14
+"""Widest hidden layer of a config; a wider one means damage, and would fill the memory."""
+DEEPEST = 16
+"""Largest number of hidden layers of a config."""
 Seed = Annotated[int, whole(0, SEEDS - 1)]
 Steps = Annotated[int, whole(0, 2**31 - 1)]
 Degree = Annotated[int, whole(1, HIGHEST_DEGREE)]

@@ -71,7 +71,7 @@ def shapes(model: mujoco.MjModel, motion: BodyMotion, layout: MjcfLayout) -> lis
     Args:
         model: compiled model.
         motion: poses of the model; only the first set is used.
-        layout: of the robot; rods stand for the links of one whose file has no shapes.
+        layout: layout of the robot; rods stand for links if its file has no shapes.
 
     Returns: one dict for each shape, with body (counted from 0), kind, size (m), pos (m), quat and
         colour.
@@ -118,7 +118,9 @@ def _shape(model: mujoco.MjModel, geom: int, motion: BodyMotion) -> dict[str, An
     size, centre = model.geom_size[geom], np.zeros(3)
     if kind is None:
         # A mesh is shown as the box around it: its file need not be in the run.
-        kind, centre, size = "box", model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
+        kind = "box"
+        centre = model.geom_aabb[geom][:3]
+        size = model.geom_aabb[geom][3:]
     local = np.zeros(3)
     mujoco.mju_rotVecQuat(local, centre, model.geom_quat[geom])
     local += model.geom_pos[geom]
@@ -138,7 +140,9 @@ def _placed(
     quat: np.ndarray,
 ) -> dict[str, Any]:
     """Place a shape in the frame of its body at angle 0; the shape takes over the body's y."""
-    place, turn, number = np.zeros(3), np.zeros(4), int(_bodies(model).searchsorted(body))
+    place = np.zeros(3)
+    turn = np.zeros(4)
+    number = int(_bodies(model).searchsorted(body))
     mujoco.mju_rotVecQuat(place, np.ascontiguousarray(pos), motion.first[number])
     mujoco.mju_mulQuat(turn, motion.first[number], np.ascontiguousarray(quat))
     place[1] += motion.y[number]

@@ -14,7 +14,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     read_certificate,
 )
 from neuralgaits.records.certified import Conclusion
-from neuralgaits.records.levels import FULL_ORDER_LEVEL, ORBIT_LEVEL
+from neuralgaits.records.level_words import FULL_ORDER_LEVEL, ORBIT_LEVEL
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import ProvedOrbit

@@ -17,7 +17,7 @@ from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.analysis.walks_by_command import alternating, drawn, walks_under
 from neuralgaits.errors import RunError
 from neuralgaits.records.episode_records import CONFIG_FILE, EPISODES_SUMMARY, EpisodesSummary
-from neuralgaits.records.levels import ORBIT_LEVEL
+from neuralgaits.records.level_words import ORBIT_LEVEL
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.training_config import TrainingConfig
 from neuralgaits.report.certificate import ProvedOfGait

@@ -94,7 +94,7 @@ class PlanarBiped(BipedConstants):
         Args:
             q: coordinates (rad). [n]
             dq: rates (rad/s). [n]
-            torque: of the actuated joints (N m). [m]
+            torque: torques of the actuated joints (N m). [m]
             ankle: torque of the stance ankle on the robot, positive forward (N m).
 
         Returns: [n] (rad/s^2).

@@ -14,7 +14,7 @@ def vector(name: str, value: Any, size: int) -> Float[Array, " k"]:
     """Check one vector. A traced one has no values yet, so only its shape counts.
 
     Args:
-        name: of the vector in the message.
+        name: name of the vector in the message.
         value: an array, or anything that can become one.
         size: number of entries expected.
 

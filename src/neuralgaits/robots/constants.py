@@ -41,7 +41,7 @@ class MjcfLayout:
         pitch_sign: +1 if positive pitch in the file is counter-clockwise (tips to -x).
         root_angle: up-angle of the root link when the file's pitch is zero [rad]; a torso's
             up-angle is its pitch, so 0 there.
-        root_to_hip: from the pitch axis to the hip when the file's pitch is zero, (x, z) [m].
+        root_to_hip: vector from the pitch axis to the hip where the pitch is zero, (x, z) [m].
         torso: whether the root is a torso; else it is the top link of leg 0.
         leg_lengths: lengths of a leg's links, lowest first [m]. [k]
         leg_joints: for each leg, its joint names.
@@ -116,11 +116,11 @@ class BipedConstants(eqx.Module):
         hip: hip coefficients [m]. [n]
         relabel: R, q+ = R q and rates alike: the legs swap roles. [n, n]
         hip_gradient: c, z1 = c . q is the linearised hip position [m/rad]. [n]
-        mass: of all links [kg]; gravity [m/s^2].
-        torque_limit, joint_lower, joint_upper: of the actuated joints [N m], [rad]. [m]
+        mass: total mass of all links [kg]; gravity [m/s^2].
+        torque_limit, joint_lower, joint_upper: limits of the actuated joints [N m], [rad]. [m]
         friction: sliding friction coefficient of the feet.
-        foot_radius: of a point foot's sphere, or the height of a flat one's ankle [m].
-        name: of the robot; link_names; joint_names of the n coordinates.
+        foot_radius: radius of a point foot's sphere, or height of a flat foot's ankle [m].
+        name: name of the robot; link_names; joint_names of the n coordinates.
         torso: index of the torso link, or None.
         layout: where the coordinates live in the robot file.
         coupling_across: Im C, where `coupling` is Re C and `coupling_phase` None: of a robot whose

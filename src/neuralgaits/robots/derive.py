@@ -17,17 +17,17 @@ class LegData:
     """One leg's numbers, in its own order: links lowest first, joints lowest first, hip last.
 
     Attributes:
-        length: from lower to upper joint (or foot centre) [m]. [k]
+        length: distance from lower joint (or foot centre) to upper joint [m]. [k]
         com: centre of mass from the lower joint over the link direction [m]. complex [k]
         mass: [kg]. [k]
         inertia: [kg m^2]. [k]
-        armature: of the joints [kg m^2]. [k]
-        damping: of the joints [N m s/rad]. [k]
+        armature: rotor inertia at the joints [kg m^2]. [k]
+        damping: viscous friction of the joints [N m s/rad]. [k]
         torque_limit: [N m]. [k]
         lower: joint ranges in the coordinates of `PlanarBiped` [rad]. [k]
         upper: like lower. [k]
-        foot_radius: of the sphere of a point foot, or the height of the ankle above a sole [m]. [1]
-        friction: of the foot. [1]
+        foot_radius: radius of a point foot's sphere, or height of the ankle above a sole [m]. [1]
+        friction: friction coefficient of the foot. [1]
         sole: how far a flat foot, the lowest link, reaches behind and ahead of the ankle [m]. [2];
             of a point foot [0].
     """

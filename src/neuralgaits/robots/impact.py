@@ -105,7 +105,7 @@ def pressure_moment(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> S
     toe, the foot stays flat.
 
     Args:
-        robot: with flat feet, which lands level.
+        robot: robot with flat feet, which land level.
         q: coordinates before the impact (rad). [n]
         dq: rates before it (rad/s). [n]
 

@@ -8,9 +8,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.robots.constants import MjcfLayout
 
-COLOURS = ((0.95, 0.55, 0.16, 1.0), (0.10, 0.42, 0.75, 1.0), (0.27, 0.31, 0.37, 1.0))
-"""Colours (RGBA) of leg 0, leg 1 and torso, as in the built-in robots."""
-
 
 class Bone(NamedTuple):
     """A rod fixed to a body."""
@@ -51,13 +48,15 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
     mujoco.mj_comPos(model, data)
     # Radius of a rod in leg lengths.
     radius, rods = 0.022 * layout.leg_length, []
+    # Colours (RGBA) of leg 0, leg 1 and torso, as in the built-in robots.
+    colours = ((0.95, 0.55, 0.16, 1.0), (0.10, 0.42, 0.75, 1.0), (0.27, 0.31, 0.37, 1.0))
     for leg, joints in enumerate(layout.leg_joints):
         foot = model.geom(layout.feet[leg])
         body, below = int(foot.bodyid[0]), data.geom_xpos[foot.id]
         for name in joints:
             joint = model.joint(name)
             above = data.xanchor[joint.id]
-            rods.append(_bone(data, body, (below, above), radius, COLOURS[leg]))
+            rods.append(_bone(data, body, (below, above), radius, colours[leg]))
             # Only the last, the hip, may be a joint of the other leg.
             body, below = int(model.body_parentid[joint.bodyid[0]]), above
     if layout.torso:
@@ -66,7 +65,7 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
         # In the torso's own plane, between the legs.
         hip = np.array([below[0], centre[1], below[2]])
         if np.linalg.norm(centre - hip) > 0.0:
-            rods.append(_bone(data, root, (hip, 2.0 * centre - hip), radius, COLOURS[2]))
+            rods.append(_bone(data, root, (hip, 2.0 * centre - hip), radius, colours[2]))
     return rods
 
 

@@ -41,7 +41,7 @@ class StateMap:
     """Indices into one compiled model, and the signs and offsets of its layout.
 
     Attributes:
-        layout: of the robot file.
+        layout: layout of the robot file.
         nq: size of qpos, and of qvel.
         nu: size of ctrl.
         root: qpos addresses of slide x, slide z and pitch. [3]
@@ -97,7 +97,7 @@ class StateMap:
 
         Args:
             leg: 0 or 1. [...]
-            sensors: of the state.
+            sensors: measured state.
 
         Returns: position, velocity: [..., 2] (m, m/s), each (x, z).
         """

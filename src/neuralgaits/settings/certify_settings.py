@@ -10,7 +10,7 @@ from tyro.conf import Fixed, Positional
 from neuralgaits._checks import check_bandwidth, check_budget, check_disturbance, check_error
 from neuralgaits.errors import InputError
 from neuralgaits.records.checked import Arithmetic
-from neuralgaits.records.levels import (
+from neuralgaits.records.level_words import (
     DISTURBED_LEVEL,
     FULL_ORDER_LEVEL,
     HIGHEST_OF_MANY,

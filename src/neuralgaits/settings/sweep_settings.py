@@ -11,7 +11,7 @@ from tyro.conf import Fixed, Positional
 from neuralgaits._called_with import PythonType
 from neuralgaits._checks import check_budget, check_seeds, check_steps, check_walked
 from neuralgaits.errors import InputError
-from neuralgaits.records.levels import HIGHEST, WORDS
+from neuralgaits.records.level_words import HIGHEST, WORDS
 from neuralgaits.records.swept import SweepRow
 from neuralgaits.runs import RUNS_ROOT
 from neuralgaits.settings import forms

@@ -10,7 +10,7 @@ def log_of(joint_names: tuple[str, ...], record: TickRecord, source: str) -> Log
     """Return the log of a recorded episode.
 
     Args:
-        joint_names: of the controller's model, one a coordinate.
+        joint_names: names of the joints of the controller's model, one a coordinate.
         record: record of the episode; every leaf has a leading axis of ticks.
         source: name of the episode in messages.
     """

@@ -16,11 +16,13 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.jax_tick import JaxTick
 from neuralgaits.simulation.live_commands import LiveCommands
 from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.live_push import LivePush
-from neuralgaits.simulation.live_tick import MeasuredTick, tick_of
+from neuralgaits.simulation.live_tick import LiveTick, MeasuredTick
 from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native_tick import NativeTick
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
@@ -80,18 +82,19 @@ class LiveWalk:
         self.laps: tuple[int, ...] = ()
         self._robot = robot
         controller = Controller.init(
-            robot,
-            policy,
-            law,
-            z2_range=z2_range,
-            period_s=PERIOD_S,
-            reset_residual=reset_residual,
+            robot, policy, law, z2_range=z2_range, period_s=PERIOD_S, reset_residual=reset_residual
         )
         self._limit = np.asarray(controller.torque_limit)
         self._commands = LiveCommands(policy.commands, ground and ground.courses.schedule)
         first = self._commands.first
-        self.control = tick_of(library, self.plant, controller, first)
-        self._levels, self._ticks, self._push = np.zeros((1, 2)), 0, LivePush()
+        self.control: LiveTick = (
+            JaxTick(self.plant, controller, first)
+            if library is None
+            else NativeTick(library, self.plant, controller, first)
+        )
+        self._levels = np.zeros((1, 2))
+        self._ticks = 0
+        self._push = LivePush()
         self._start = np.asarray(start, dtype=np.float64)
         self._stand(self._start, 0.0)
 

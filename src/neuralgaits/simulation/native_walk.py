@@ -31,7 +31,6 @@ FLAGS = ("-std=gnu99", "-O1", "-ffp-contract=off", "-fPIC", "-shared")
 """Compiler flags. Products and sums are not fused, so a walk is the same on every machine. With -O3
 it is compiled in twice the time and walks no faster: most of a tick is MuJoCo's."""
 SOURCES = ("walk.c", "clf_qp.c", "controller.c", "estimator.c", "adapt.c", "gait.c")
-_UNKNOWN = "0" * 64
 _own_folders: list[tempfile.TemporaryDirectory] = []
 """Folders that are deleted when this process ends."""
 
@@ -103,7 +102,8 @@ def _design(
     joints: JointModel | None = None,
 ) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
-    origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
+    unknown = "0" * 64
+    origin = Origin(unknown, unknown, None, None, "walk", "-")
     return Design.of(
         robot,
         gait,

@@ -123,8 +123,13 @@ class WalkInputs(WalkOptions):
     def __post_init__(self) -> None:
         for one in (self.plant, *(self.robots or ())):
             _check_same_joints(self.robot, one)
-        _positive_whole("steps", self.steps)
-        _finite_impulse(self.push)
+        if not isinstance(self.steps, int | np.integer) or self.steps < 1:
+            raise InputError(
+                f"--steps: expected a whole number of at least 1, found {self.steps!r}"
+            )
+        check_walked("steps", int(self.steps))
+        if not np.isfinite(self.push):
+            raise InputError(f"push: expected a finite impulse in N s, found {self.push}")
         check_simulator(self.simulator)
         if self.simulator != MUJOCO and self.disturbance and self.disturbance.has_drives:
             raise InputError(
@@ -140,7 +145,9 @@ def walk(inputs: WalkInputs) -> Walk:
     Returns: `Walk`.
     Raises: InputError if settings do not fit, or Drake is not installed.
     """
-    robot, policies, disturbance = inputs.robot, inputs.policies, inputs.disturbance
+    robot = inputs.robot
+    policies = inputs.policies
+    disturbance = inputs.disturbance
     starts = _checked_starts(robot, inputs.starts)
     law, count = law_of_drives(law_named(inputs.controller), disturbance), len(starts)
     shared = isinstance(policies, AbstractPolicy)
@@ -175,7 +182,9 @@ def _inputs(
     inputs: WalkInputs, plant: Plant, schedule: CommandSchedule, count: int
 ) -> EpisodeInputs:
     """Return what the episodes meet: ground, pushes, commands, noise."""
-    seed, first, courses = inputs.seed, inputs.first, inputs.courses
+    seed = inputs.seed
+    first = inputs.first
+    courses = inputs.courses
     height = None if courses is not None else _told_height(schedule)
     return EpisodeInputs(
         Terrain(plant.disturbance.floor_height, seed, count, height, first),
@@ -268,14 +277,3 @@ def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:
             f"plant {plant.name} has {plant.n} links, the policy's robot {robot.name} has "
             f"{robot.n}{other_feet}: take a plant with the same joints"
         )
-
-
-def _positive_whole(name: str, value: int) -> None:
-    if not isinstance(value, int | np.integer) or value < 1:
-        raise InputError(f"--{name}: expected a whole number of at least 1, found {value!r}")
-    check_walked(name, int(value))
-
-
-def _finite_impulse(push: float) -> None:
-    if not np.isfinite(push):
-        raise InputError(f"push: expected a finite impulse in N s, found {push}")

@@ -47,8 +47,11 @@ def disturbances_of(source: str | Path | Mapping[str, Any]) -> dict[str, dict[st
 
 
 def _parsed(name: Any, one: Any) -> PlantChanges:
-    table = isinstance(one, Mapping)
-    if not (table or isinstance(one, str | PlantChanges)) or (table and _has_tables(one)):
+    if isinstance(one, Mapping):
+        fits = not any(isinstance(value, Mapping) for value in one.values())
+    else:
+        fits = isinstance(one, str | PlantChanges)
+    if not fits:
         raise InputError(
             f"disturbance {name!r}: expected a table of names and numbers, found {shown(one)}: "
             f"write {_ONE_TABLE_EACH}"
@@ -56,10 +59,6 @@ def _parsed(name: Any, one: Any) -> PlantChanges:
     if not (isinstance(name, str) and name.strip() and name.isprintable()):
         raise InputError(f"expected a disturbance with a name of one line, found {name!r}")
     return parse(one)
-
-
-def _has_tables(one: Mapping[str, Any]) -> bool:
-    return any(isinstance(value, Mapping) for value in one.values())
 
 
 def _read(path: Path) -> dict[str, Any]:

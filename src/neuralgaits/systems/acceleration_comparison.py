@@ -24,7 +24,7 @@ class ComparedRanges(NamedTuple):
 
     Attributes:
         reach: largest value of each coordinate, on either side of 0. [k]
-        rates: of the coordinates. [any, k]
+        rates: rates of the coordinates. [any, k]
         force_limit: largest force of the motor.
     """
 
@@ -41,10 +41,10 @@ def difference_from_mujoco(
     What acts later than at once shows where MuJoCo goes on by itself for a while.
 
     Args:
-        model: of the file.
-        joints: that the coordinates are.
+        model: model of the file.
+        joints: joints of the coordinates.
         ranges: states that are compared.
-        formulas: of the family.
+        formulas: accelerations by the family's formulas.
 
     Returns: None if they agree; else the share by which they differ, and the state where that is
         largest.

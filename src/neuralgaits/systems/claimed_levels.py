@@ -31,10 +31,10 @@ def with_claimed_levels(
     The statements hold by then; whether they are about a run's robot, the verdict says.
 
     Args:
-        report: of the check of its statements.
+        report: result of the check of its statements.
         claims: the file.
         table: conditions of the family's spec.
-        about: that spec, in words.
+        about: the spec in words.
         conclude: draws conclusions from bounds; returns why the file is rejected, if it is.
     """
     if claims.outline is None or not report.holds:

@@ -34,7 +34,7 @@ class FamilyExport(Record):
     """Result of `export`.
 
     Attributes:
-        run, robot: of the run.
+        run, robot: path of the run, and name of its robot.
         files: what was written.
         checked: whether a C compiler was there, so that C could be compared with Python.
         states: how many states were compared.
@@ -55,7 +55,7 @@ def export_family(
     """Write the controller as C, and compare it with Python if there is a compiler.
 
     Args:
-        system: of the run's family.
+        system: system of the run's family.
         run: the run.
         out: folder of the files.
         force: whether files there are replaced.

@@ -15,8 +15,8 @@ class ControllerHeader:
         about: inputs and outputs in words, lines of a C comment.
         advice: what the caller has to do.
         constants: value and comment of each #define, by name.
-        unit: of the first output.
-        limit: of the first output, to which rounding is compared.
+        unit: unit of the first output.
+        limit: largest value of the first output, to which rounding is compared.
         proved: what the run's proof is about if it states a level, lines of a C comment.
         more: further C files by name, which use the function.
     """

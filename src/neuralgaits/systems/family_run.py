@@ -18,8 +18,6 @@ from neuralgaits.runs.names import CONFIG, ROBOT, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.runs.shape import POSITIVE, whole
 from neuralgaits.systems.trained_system import TrainedSystem
 
-LARGEST_WEIGHT = 1e6
-"""Largest magnitude of a weight that a training leaves."""
 WIDEST_NETWORK = 256
 """Largest width of a hidden layer."""
 
@@ -29,9 +27,9 @@ class FamilyConfig(Record):
     """Configuration of a training: `config.json`, without the entries that `runs` adds.
 
     Attributes:
-        family: of the system; a walker's run has no such field.
+        family: name of the family; a walker's run has no such field.
         robot, spec: names.
-        seed: of weights and samples.
+        seed: seed of weights and samples.
         steps: gradient steps.
     """
 
@@ -47,8 +45,8 @@ class NetworkConfig(FamilyConfig):
     """Configuration of a training of networks whose convergence is asked for.
 
     Attributes:
-        width: of the networks' hidden layer.
-        rate: of the convergence, as the family's conditions read it.
+        width: width of the networks' hidden layer.
+        rate: convergence rate that the family's conditions require.
     """
 
     width: Annotated[int, whole(1, WIDEST_NETWORK)]
@@ -64,7 +62,7 @@ class TrainedSummary(Record):
     """Result of `train`: `summary.json` of a run.
 
     Attributes:
-        run, robot, spec, seed, steps: of the run.
+        run, robot, spec, seed, steps: path of the run and what was requested.
         margins: smallest margin of each condition at fresh random states, in scales.
         samples: how many states.
         wall_s: elapsed time.
@@ -94,10 +92,10 @@ class FamilyRun:
     Attributes:
         system: the family's own part, a `TrainedSystem`; a `ProvedSystem` where it has proofs.
         folder: on disk.
-        config: what was asked.
+        config: settings of the training.
         robot: the model.
         data: numbers of the robot file.
-        controller: what training found.
+        controller: trained controller.
     """
 
     system: Any
@@ -134,9 +132,10 @@ def open_family_run(system: TrainedSystem, run: str | Path) -> FamilyRun:
 
 def refuse_odd_weights(controller: Any, file: Path) -> None:
     """Refuse weights that no training leaves. Raises: RunError."""
+    largest = 1e6  # Largest magnitude of a weight that a training leaves.
     for leaf in jax.tree.leaves(controller):
-        if not np.all(np.abs(np.asarray(leaf)) <= LARGEST_WEIGHT):
+        if not np.all(np.abs(np.asarray(leaf)) <= largest):
             raise RunError(
-                f"expected weights of at most {LARGEST_WEIGHT:g} in {file}, found larger ones, or "
+                f"expected weights of at most {largest:g} in {file}, found larger ones, or "
                 "no numbers: the file was changed; train again"
             )

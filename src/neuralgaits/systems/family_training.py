@@ -29,9 +29,9 @@ def train_family(
     """Train a controller and the set that is to be proved.
 
     Args:
-        system: of the family.
+        system: system of the family.
         source: name of a built-in robot, or the path of an MJCF file.
-        config: what is asked of the training, a `FamilyConfig` of the system; `robot` is filled in.
+        config: settings of the training, a `FamilyConfig` of the system; `robot` is filled in.
         out: run folder to make; a new one below `root` if None.
         root: folder of the runs.
         progress: called now and then.

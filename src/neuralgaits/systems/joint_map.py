@@ -15,7 +15,7 @@ class JointMap:
     By number: names are optional in MJCF.
 
     Attributes:
-        joints: of the coordinates, in their order.
+        joints: joints of the coordinates, in their order.
         zeros: angle or position of each joint where its coordinate is 0.
         signs: 1, or -1 for a joint that turns against its coordinate.
         motor: number of the motor.

@@ -41,8 +41,8 @@ class PlanarLink(NamedTuple):
     """A body with all that is welded to it, in the plane of a mechanism.
 
     Attributes:
-        mass: of all of it [kg].
-        centre: of mass from the joint, along both directions of the plane [m]. [2]
+        mass: mass of all of it [kg].
+        centre: centre of mass from the joint, along both directions of the plane [m]. [2]
         inertia: about the centre of mass, around the plane's normal [kg m^2].
     """
 
@@ -60,7 +60,7 @@ def planar_link(
     """Return the link that a joint moves.
 
     Args:
-        model: of the file.
+        model: model of the file.
         data: places of its bodies.
         joint: number of the joint.
         plane: two directions at right angles, of length 1.

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from neuralgaits.robots.mjcf.model_contents import ON_JOINT, at_zero, joint_label
+from neuralgaits.robots.mjcf.model_contents import JOINT_TRANSMISSIONS, at_zero, joint_label
 
 SHORTEST_S, LONGEST_S = 1e-5, 0.05
 """Least and largest timestep: fewer steps a second do not balance, more take for ever."""
@@ -78,7 +78,7 @@ def motor_problems(
     """Say what is not one plain motor with limits on one joint.
 
     Args:
-        model: of the file.
+        model: model of the file.
         driven: number of that joint.
         driven_words: what moves there, as in "the cart".
         other_words: what moves elsewhere, as in "the pole".
@@ -87,7 +87,7 @@ def motor_problems(
     for motor in range(model.nu):
         name = model.actuator(motor).name or f"actuator {motor}"
         joint = int(model.actuator_trnid[motor, 0])
-        on_joint = int(model.actuator_trntype[motor]) in ON_JOINT
+        on_joint = int(model.actuator_trntype[motor]) in JOINT_TRANSMISSIONS
         if not on_joint or joint != driven:
             where = "acts on no joint"
             if on_joint:

@@ -1,5 +1,6 @@
 """A family of systems beside walkers: what the rest of the house asks of it."""
 
+import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,11 +15,11 @@ class SystemFamily:
     """A family of systems.
 
     Attributes:
-        name: in configs of runs and models of proof files.
+        name: name in configs of runs and models of proof files.
         words: its name in a sentence, with an article.
         built_in: what each robot that comes with it is, by name.
         recognises: whether a robot, by name or path, is meant for this family.
-        assumptions: that its proofs rest on.
+        assumptions: assumptions of its proofs.
         with_levels: adds what follows for trajectories to the result of a checked proof file.
     """
 
@@ -28,6 +29,16 @@ class SystemFamily:
     recognises: Callable[[str | Path], bool]
     assumptions: tuple[str, ...]
     with_levels: Callable[[CheckResult, Claims], CheckResult]
+
+
+def imported_when_called(place: str) -> Callable[[str | Path], bool]:
+    """Return a family's test of robots at MODULE:FUNCTION, a module that brings MuJoCo."""
+    module, _, name = place.partition(":")
+
+    def recognises(robot: str | Path) -> bool:
+        return getattr(importlib.import_module(module), name)(robot)
+
+    return recognises
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,9 @@ def render(names: Sequence[str], margins: Margins, words: Mapping[str, str] | No
 
 
 def _row(name: str, value: float, inside: bool, words: str) -> str:
-    ink, width, text = QUIET, 0.0, "–"
+    ink = QUIET
+    width = 0.0
+    text = "–"
     if np.isfinite(value):
         # Training aims at a margin of 0.05.
         ink = BAD if value < 0.0 else TIGHT if value < 0.05 else GOOD

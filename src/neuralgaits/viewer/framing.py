@@ -22,11 +22,13 @@ class Framing:
     Attributes:
         top: height of the scene [m].
         wide: its width [m].
-        direction: in which the camera is.
+        direction: direction in which the camera stands.
     """
 
     def __init__(self, top: float, wide: float, direction: Direction = (-0.06, -1.0, 0.06)):
-        self.top, self.wide, self.direction = top, wide, direction
+        self.top = top
+        self.wide = wide
+        self.direction = direction
 
     def of_window(self, width: int, height: int) -> Pose:
         """Return the pose for a window in pixels; for the usual one if its size is unknown."""

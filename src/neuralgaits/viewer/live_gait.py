@@ -65,8 +65,7 @@ class LiveGait:
         self.chart = PlaneChart(run.gait, run.spec)
         zd = run.zero_dynamics
         self._onto = PointEvaluator(lambda z: {"x": zd.phi_inv(z)})
-        halfway = np.array([0.5])
-        self._middle = self.chart.z(halfway, halfway)[0]
+        self._middle = self.chart.z(*np.full((2, 1), 0.5))[0]
         self.live = LiveWalk(
             run.robot,
             run.trained.policy,
@@ -83,7 +82,8 @@ class LiveGait:
         self._monitor: LiveMonitor | None = None
         self._beliefs_within: float | None = None
         self._z = self._middle
-        self._begun, self._pace, self._trail = 0.0, StepSpeed(), Trail()
+        self._begun = 0.0
+        self._pace, self._trail = StepSpeed(), Trail()
 
     def look_with(self, evaluate: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
@@ -159,7 +159,9 @@ class LiveGait:
 
     def shown(self) -> WalkFrame:
         """Return the present moment of the walk."""
-        live, sensors, mean = self.live, self._sensors(), self._pace.mean
+        live = self.live
+        sensors = self._sensors()
+        mean = self._pace.mean
         ending: Ending = live.ending
         return WalkFrame(
             time=live.time,
@@ -279,7 +281,8 @@ class LiveGait:
         except InputError:
             return False
         self._z = z
-        self._begun, self._pace, self._trail = self.live.time, StepSpeed(), Trail()
+        self._begun = self.live.time
+        self._pace, self._trail = StepSpeed(), Trail()
         if self._monitor is not None:
             self._monitor.restart()
         return True

@@ -17,8 +17,6 @@ from neuralgaits.errors import InputError
 
 PORT = 8080
 """First port that is tried if none was requested."""
-_TRIES = 100
-_LARGEST_PORT = 65535
 LOOPBACK = "127.0.0.1"
 
 
@@ -74,18 +72,20 @@ _REMEDY = "leave --port away to have a free one chosen, or name another"
 
 def refuse_no_port(port: int | None) -> None:
     """Refuse an impossible port before anything is opened. Raises: InputError."""
-    if port is not None and not 1 <= port <= _LARGEST_PORT:
-        raise InputError(f"expected --port from 1 to {_LARGEST_PORT}, found {port}: {_REMEDY}")
+    largest = 65535
+    if port is not None and not 1 <= port <= largest:
+        raise InputError(f"expected --port from 1 to {largest}, found {port}: {_REMEDY}")
 
 
 def _free_port(host: str, port: int | None) -> int:
     refuse_no_port(port)
-    for number in range(PORT, PORT + _TRIES) if port is None else (port,):
+    tries = 100
+    for number in range(PORT, PORT + tries) if port is None else (port,):
         if _is_free(host, number):
             return number
     if port is None:
         raise InputError(
-            f"expected a free port from {PORT} to {PORT + _TRIES - 1}, found none: name one with "
+            f"expected a free port from {PORT} to {PORT + tries - 1}, found none: name one with "
             "--port"
         )
     raise InputError(f"expected port {port} to be free, found it taken: {_REMEDY}")

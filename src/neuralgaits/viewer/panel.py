@@ -59,9 +59,13 @@ class Panel:
             adaptable: names of the commands that can be adapted.
             adapts: whether they are from the start.
         """
-        self._player, self._conditions, self._restarted = player, tuple(conditions), restarted
+        self._player = player
+        self._conditions = tuple(conditions)
+        self._restarted = restarted
         self._words = conditions if isinstance(conditions, Mapping) else {}
-        self._answer, self._answer_left, self._count = "", 0, 0
+        self._answer = ""
+        self._answer_left = 0
+        self._count = 0
         self._laps = 0
         gui = server.gui
         self._sliders = LimitedSliders(gui)

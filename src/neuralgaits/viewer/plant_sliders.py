@@ -50,8 +50,8 @@ def add_plant_sliders(
     """Add a folder with sliders by disturbance, and a button that puts them back.
 
     Args:
-        gui: of the page.
-        sliders: of the page.
+        gui: GUI of the page.
+        sliders: sliders of the page.
         settings: sliders by disturbance.
         disturb: changes one of them, in the disturbance's unit.
     """

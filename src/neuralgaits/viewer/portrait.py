@@ -12,10 +12,10 @@ from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 
 WIDTH_PX, HEIGHT_PX = 1320, 760
 """Size of the picture."""
-DPI = 150
-"""Resolution of the picture."""
-_CORNER, _SIZE = np.array([0.08, 0.145]), np.array([0.91, 0.75])
-"""Lower left corner and size of the plane, as shares of the picture."""
+_CORNER = np.array([0.08, 0.145])
+"""Lower left corner of the plane, as shares of the picture."""
+_SIZE = np.array([0.91, 0.75])
+"""Size of the plane, as shares of the picture."""
 _FLOW, _INK, _ORBIT, _GUARD = "#848c95", "#767d86", "#1a63b8", "#a066c4"
 
 
@@ -79,8 +79,9 @@ class Portrait:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        size = WIDTH_PX / DPI, HEIGHT_PX / DPI
-        figure = Figure(figsize=size, dpi=DPI, facecolor="none")
+        dpi = 150
+        size = WIDTH_PX / dpi, HEIGHT_PX / dpi
+        figure = Figure(figsize=size, dpi=dpi, facecolor="none")
         axes = figure.add_axes((*_CORNER, *_SIZE), facecolor="none")
         self._draw_boxes(axes)
         speed = np.where(np.isfinite(self.dz), self.dz, 0.0)

@@ -39,7 +39,7 @@ def lay_floor(floor: viser.GridHandle, slope: float, x: float, y: float = 0.0) -
     """Put the floor through the scene's middle, its lines fixed to the ground.
 
     Args:
-        floor: of `add_ground`.
+        floor: floor that `add_ground` made.
         slope: its rise per metre forward.
         x: place of the ground that is in the middle, forward [m].
         y: the same to the left [m].

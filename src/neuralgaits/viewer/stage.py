@@ -56,7 +56,9 @@ class Stage:
         ground = shown.ground
         with self._server.atomic():
             self._show_robot(shown, x, ground)
-            self._show_floor(shown, x)
+            # Through the origin, with its lines fixed to the ground.
+            self._floor.visible = shown.tops is None
+            lay_floor(self._floor, shown.slope, x)
             self._blocks.show(shown.tops, x, ground)
             self._show_push(shown, ground)
             if self._board is not None:
@@ -73,11 +75,6 @@ class Stage:
         moved = self._data.xpos - np.array([x, 0.0, ground])
         turned = self._data.xmat.reshape(1, -1, 3, 3)
         self._robot.update_from_arrays(moved[None], turned)
-
-    def _show_floor(self, shown: WalkFrame, x: float) -> None:
-        """Place the floor through the origin, with its lines fixed to the ground."""
-        self._floor.visible = shown.tops is None
-        lay_floor(self._floor, shown.slope, x)
 
     def _show_push(self, shown: WalkFrame, ground: float) -> None:
         # In front of the robot, lest its body hide it.

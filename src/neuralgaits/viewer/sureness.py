@@ -14,7 +14,7 @@ from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import LEAN
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import PROOF, CertificateRecord
-from neuralgaits.records.levels import HIGHEST
+from neuralgaits.records.level_words import HIGHEST
 from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown

@@ -8,9 +8,6 @@ import viser
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.player import SPEED, Player
 
-WAITS = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
-"""Times from a fall to the reset [s], by the words for them."""
-
 
 def add_time_controls(
     gui: viser.GuiApi, player: Player[Any], sliders: LimitedSliders, reset: Callable[[], None]
@@ -43,8 +40,10 @@ def add_time_controls(
         if value is not None:
             player.speed = value
 
-    fall = gui.add_dropdown("after a fall", tuple(WAITS))
+    # Times from a fall to the reset [s], by the words for them.
+    waits = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
+    fall = gui.add_dropdown("after a fall", tuple(waits))
 
     @fall.on_update
     def _(_event: object) -> None:
-        player.reset_after = WAITS.get(fall.value)
+        player.reset_after = waits.get(fall.value)

@@ -45,7 +45,6 @@ from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.train import train
 
-FIGURE = "episodes.png"
 Tell = Callable[[int, str], None]
 """Callback that gets the round and the stage that begins."""
 
@@ -90,13 +89,16 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    config, resume, root = _config_of(settings), settings.resume, settings.root
+    config = _config_of(settings)
+    resume = settings.resume
+    root = settings.root
     old = None if resume is None else EpisodeFolder.find(resume, root)
     if old is None:
         folder = _begin(config, resume, out=settings.out, root=root)
     else:
         folder = old.gone_on_with(config, settings.out)
-    refuse_unwritable(folder.path / EPISODES_SUMMARY, folder.path / FIGURE, own=True)
+    figure_file = "episodes.png"
+    refuse_unwritable(folder.path / EPISODES_SUMMARY, folder.path / figure_file, own=True)
     tell = settings.tell or (lambda number, what: None)
     session = _Session(folder, settings.progress, tell, root)
     try:
@@ -111,17 +113,19 @@ def episodes(settings: EpisodesSettings) -> Episodes:
         rounds=tuple(entries),
         waiting_for=stopped.waiting_for,
         diverged=stopped.diverged,
-        figure=str(folder.path / FIGURE),
+        figure=str(folder.path / figure_file),
         wall_s=time.perf_counter() - start_time,
     )
     write(folder.path / EPISODES_SUMMARY, summary)
-    draw_file(summary, folder.path / FIGURE)
+    draw_file(summary, folder.path / figure_file)
     return Episodes(folder.path, run, summary)
 
 
 def _config_of(settings: EpisodesSettings) -> dict[str, Any]:
     """Return the settings that the folder's config records; None for what was not given."""
-    disturb, logs, columns = settings.disturb, settings.logs, settings.columns
+    disturb = settings.disturb
+    logs = settings.logs
+    columns = settings.columns
     return {
         "robot": None if settings.robot is None else robot_from(settings.robot),
         "plant": None if settings.plant is None else robot_from(settings.plant),
@@ -240,7 +244,9 @@ class _Session:
         place, config = self.folder.round(number), self.folder.config
         if (place / EPISODES_SUMMARY).is_file():
             return open_run(place)
-        robot, steps, seed = self.folder.robot, config.steps, config.seed
+        robot = self.folder.robot
+        steps = config.steps
+        seed = config.seed
         if (place / CONFIG).is_file():
             self.tell(number, "training on")
             return train(robot, resume=place, progress=self.progress, root=self.root)

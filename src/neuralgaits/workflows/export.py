@@ -39,8 +39,6 @@ from neuralgaits.workflows.export_warnings import unproved_of_export
 TEMPLATE = "deploy.template.yaml"
 """Deployment file beside a controller, to be copied and edited."""
 KEPT = "{} was kept: it was edited, or is of another run; delete it for a new template"
-LARGEST = 1e30
-"""Largest number of a gait that may be exported: C may compute in single precision."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,9 @@ def export_controller(settings: ExportSettings) -> Export:
     _refuse_settings(settings)
     if (task := task_of("export", settings)) is not None:
         return task(ProgressCallbacks(begun=settings.begun)).returned
-    trained, folder, kind = open_run(settings.run), Path(settings.out), settings.format
+    trained = open_run(settings.run)
+    folder = Path(settings.out)
+    kind = settings.format
     output_folder.refuse_used(folder, force=settings.force)
     if kind == "c" and settings.config is None:
         output_folder.refuse_stale_map(folder)
@@ -169,9 +169,11 @@ def _refuse_unusable(gait: AnyGait) -> None:
     ]
     with np.errstate(all="ignore"):
         numbers += momentum_range(gait)
-    if not all(abs(one) <= LARGEST for one in numbers):
+    # Largest number of a gait that may be exported: C may compute in single precision.
+    largest = 1e30
+    if not all(abs(one) <= largest for one in numbers):
         raise InputError(
-            f"expected weights and momenta of at most {LARGEST:g}, found others: the run's policy "
+            f"expected weights and momenta of at most {largest:g}, found others: the run's policy "
             "is damaged or not trained; restore it or train again"
         )
 

@@ -30,6 +30,8 @@ from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL
 from neuralgaits.settings import FitSettings, called_with
 
+SAMPLES = 3
+"""Samples of the windows that are learned from, as in the paper's code."""
 STEP_S = 0.01
 """Spacing of the samples of a window [s], as in the paper's code."""
 JUDGED_SAMPLES = 11
@@ -64,7 +66,9 @@ def fit(settings: FitSettings) -> Fit:
     """
     start_time = time.perf_counter()
     config = settings.config or FitConfig(optimizer=settings.optimizer)
-    logs, columns, seed = settings.logs, settings.columns, settings.seed
+    logs = settings.logs
+    columns = settings.columns
+    seed = settings.seed
     trained = open_run(settings.run)
     refuse_unwritable(trained.path / LEARNED_RESIDUAL, trained.path / FIT_SUMMARY, own=True)
     refuse_logs_of_another(trained, logs)
@@ -140,7 +144,7 @@ def _dealt(strides: Sequence[Stride], seed: int, left_out: Mapping[str, int], ro
 
 
 def _windows(strides: Sequence[Stride]) -> Windows:
-    return walks.windows(strides, samples=3, step=STEP_S)
+    return walks.windows(strides, samples=SAMPLES, step=STEP_S)
 
 
 def _judging_windows(strides: Sequence[Stride]) -> Windows:

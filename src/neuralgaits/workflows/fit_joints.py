@@ -32,10 +32,6 @@ from neuralgaits.runs.outputs import refuse_outputs
 
 FEWEST_STRIDES = 10
 """Least number of strides in logs that joints are identified from."""
-LONGEST_DELAY_S = 0.05
-"""Longest time by which torques act late or early: beyond, they are not those of the motion."""
-HELD_OUT = 5
-"""Every fifth stride is reported on, and the others are identified from."""
 
 
 @type_checked
@@ -73,7 +69,7 @@ def fit_joints(
     read, left_out = walks.read_all(paths, robot, columns=columns, policy=trained.gait.policy)
     _refuse_without_torques(read)
     strides, more_left_out = _strides(read, trained)
-    heldout = list(range(HELD_OUT - 1, len(strides), HELD_OUT))
+    heldout = list(range(4, len(strides), 5))  # Every fifth stride is only reported on.
     fitted = [number for number in range(len(strides)) if number not in heldout]
     links = eqx.Partial(link_momenta, robot)
     joints = tuple(
@@ -151,9 +147,11 @@ def _estimate(
             "does not: name the column of its torques, or leave --joints out"
         )
     estimate = identified(windows)
-    if not abs(delay := float(estimate.value[-1])) <= LONGEST_DELAY_S:
+    # Longest time by which torques act late or early: beyond, they are not those of the motion.
+    longest_s = 0.05
+    if not abs(delay := float(estimate.value[-1])) <= longest_s:
         raise InputError(
-            f"logs: expected torques of joint {windows.names[0]} at most {LONGEST_DELAY_S:g} s "
+            f"logs: expected torques of joint {windows.names[0]} at most {longest_s:g} s "
             f"late or early, found {delay:.3g} s: they do not belong to its motion; look at their "
             "sign, unit, time and column"
         )

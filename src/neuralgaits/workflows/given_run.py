@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers import Box, Gait, GaitSpec, specs
+from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import ConvergenceError, InputError, NeuralGaitsError
 from neuralgaits.gait import ZeroDynamics
@@ -20,8 +20,6 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish
 from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows.train import violations
-
-_NO_SOLUTION = "its zero dynamics have no finite solution"
 
 
 def given_run(
@@ -78,12 +76,13 @@ def given_run(
 def _attracting_orbit(zd: ZeroDynamics, origin: GaitOrigin) -> Steady:
     """Return the periodic orbit of a gait. Raises: as `given_run`, if none attracts."""
     robot = zd.robot
+    no_solution = "its zero dynamics have no finite solution"
     try:
         walk = steady(zd)
     except (ArithmeticError, np.linalg.LinAlgError):
-        walk = _NO_SOLUTION
+        walk = no_solution
     if not isinstance(walk, str) and not all(np.isfinite(part).all() for part in walk):
-        walk = _NO_SOLUTION
+        walk = no_solution
     if isinstance(walk, str):
         remedy = (
             f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "
@@ -141,14 +140,12 @@ def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> Train
 
 def _measured(spec: GaitSpec, program: Program) -> dict[str, Violations]:
     """Return each condition's violations on random samples of its region."""
-    rng, samples = np.random.default_rng(0), {}
+    rng = np.random.default_rng(0)
+    samples = {}
     for name, boxes in spec.regions.items():
-        u = np.concatenate([_draw_in(box, rng) for box in boxes])
-        samples[name] = evaluate(program, {"u": u}, POINT)
+        points = []
+        for box in boxes:
+            low, high = np.array(box.low), np.array(box.high)
+            points.append(low + (high - low) * rng.random((2000, 2)))
+        samples[name] = evaluate(program, {"u": np.concatenate(points)}, POINT)
     return {c.name: violations(samples[c.region][c.name], c.scale) for c in spec.conditions}
-
-
-def _draw_in(box: Box, rng: np.random.Generator) -> np.ndarray:
-    low, high = np.array(box.low), np.array(box.high)
-    samples = 2000
-    return low + (high - low) * rng.random((samples, 2))

@@ -18,7 +18,9 @@ def import_gait(settings: ImportGaitSettings) -> Run:
     Raises: InputError on a file for another robot, or a gait without an attracting orbit.
     """
     start_time = time.perf_counter()
-    robot, out, root = robot_from(settings.robot), settings.out, settings.root
+    robot = robot_from(settings.robot)
+    out = settings.out
+    root = settings.root
     gait = read_gait(Path(settings.file), robot, settings.name)
     origin = GaitOrigin("import-gait", gait.degree)
     if settings.begun is not None:

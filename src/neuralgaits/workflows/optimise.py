@@ -14,9 +14,6 @@ from neuralgaits.settings import OptimiseSettings, called_with
 from neuralgaits.workflows.given_run import given_run
 from neuralgaits.workflows.planarise import robot_from
 
-LOWEST_DEGREE = 3
-"""Least degree: the impact fixes the rates at both ends, so lower degrees leave no freedom."""
-
 
 @called_with(OptimiseSettings)
 def optimise(settings: OptimiseSettings) -> Run:
@@ -29,17 +26,18 @@ def optimise(settings: OptimiseSettings) -> Run:
         solver finds no gait.
     """
     start_time = time.perf_counter()
-    robot, speed, degree = robot_from(settings.robot), settings.speed, settings.degree
+    robot = robot_from(settings.robot)
+    speed = settings.speed
+    degree = settings.degree
     out, root = settings.out, settings.root
     if not speed > 0.0:
         raise InputError(f"expected --speed above 0 m/s, found {speed:g}")
     if speed > FASTEST:
         raise InputError(f"expected --speed of at most {FASTEST:g} m/s, found {speed:g}")
     refuse_speed(robot, speed)
-    if not LOWEST_DEGREE <= degree <= HIGHEST_DEGREE:
-        raise InputError(
-            f"expected --degree from {LOWEST_DEGREE} to {HIGHEST_DEGREE}, found {degree}"
-        )
+    lowest = 3  # The impact fixes the rates at both ends: lower degrees leave no freedom.
+    if not lowest <= degree <= HIGHEST_DEGREE:
+        raise InputError(f"expected --degree from {lowest} to {HIGHEST_DEGREE}, found {degree}")
     RunFolder.refuse(root, None if out is None else Path(out))
     optimiser = Optimiser(robot, degree)
     if settings.begun is not None:

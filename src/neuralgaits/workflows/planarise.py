@@ -17,9 +17,6 @@ from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
 from neuralgaits.workflows.inspect import inspect
 
-MOST_NAMES = 4
-"""Number of files that a line names."""
-
 
 @dataclass(frozen=True)
 class PlanarCopy:
@@ -61,7 +58,7 @@ def planarise_file(
     Args:
         source: name of a built-in robot, or path of an MJCF or URDF file; never changed.
         out: file to make; a copy of the source if that needs no change.
-        feet: of `planarise`.
+        feet: see `planarise`.
         weld: joints to weld, as in `planarise`.
 
     Returns: `RobotFacts` of the new file, with `written` and `changes`.
@@ -101,7 +98,7 @@ def robot_from(
 
     Args:
         source: the robot, its name or the path of its file.
-        feet: those of a changed copy of the file; None for the file as it is.
+        feet: feet of a changed copy of the file; None for the file as it is.
         weld: joints to weld in that copy.
         say: called with a line about its changes, and with each of its warnings.
 
@@ -205,8 +202,9 @@ def _resolved(source: str | Path, text: str, dropped: list[str]) -> tuple[str, .
     if str(source) in registry.built_in() or Path(source).read_text(encoding="utf-8") == text:
         return ()
     lines = ("includes put in place, files of meshes and textures named by their full paths",)
+    most_names = 4  # Number of files that a line names.
     if dropped:
-        more = f" and {len(dropped) - MOST_NAMES} more" if len(dropped) > MOST_NAMES else ""
-        listed = ", ".join(dropped[:MOST_NAMES])
+        more = f" and {len(dropped) - most_names} more" if len(dropped) > most_names else ""
+        listed = ", ".join(dropped[:most_names])
         lines += (f"pictures not there, left out: {listed}{more}; masses are as given",)
     return lines

@@ -43,7 +43,9 @@ class SeedsInParallel:
             root: folder of the runs.
             count: total number of seeds.
         """
-        self.first, self.path, self.root = first, path, root
+        self.first = first
+        self.path = path
+        self.root = root
         self.size = min(cores(), count)
         self.trainer = Trainer.build(
             first.robot, first.spec, first.gait, steps=first.config.steps, seed=first.config.seed
@@ -139,7 +141,9 @@ class _SeedProgress:
     """Progress of all seeds: the sum of their steps, and the mean of their last losses."""
 
     def __init__(self, progress: Progress | None, steps: int, seeds: int):
-        self.progress, self.every, self.seeds = progress, steps, seeds
+        self.progress = progress
+        self.every = steps
+        self.seeds = seeds
         self.last: dict[int, tuple[int, float]] = {}
 
     def step(self, seed: int, step: int, loss: float) -> None:

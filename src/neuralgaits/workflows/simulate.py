@@ -145,7 +145,9 @@ def simulate(settings: SimulateSettings) -> Simulation:
 def _planned(settings: SimulateSettings) -> _Plan:
     """Check the settings against each other and against the run. Raises: InputError, RunError."""
     check_simulator(settings.simulator)
-    run, seed, terrain = open_run(settings.run), settings.seed, _text(settings.terrain)
+    run = open_run(settings.run)
+    seed = settings.seed
+    terrain = _text(settings.terrain)
     plant, controller = settings.plant, settings.controller
     command, commands = settings.command, settings.commands
     changes = sensed(parse(settings.disturb), settings.sensing)
@@ -174,9 +176,10 @@ def _planned(settings: SimulateSettings) -> _Plan:
     run, courses = at_first(run, schedule.first), None
     kept = run.command if constant else None
     if terrain is not None:
-        episodes, steps, policy = settings.episodes, settings.steps, run.gait.policy
+        episodes = settings.episodes
+        steps = settings.steps
         courses = courses_of(
-            terrain, run.robot, policy, schedule, steps=steps, seed=seed, episodes=episodes
+            terrain, run.robot, run.gait.policy, schedule, steps=steps, seed=seed, episodes=episodes
         )
         own = commands_from_terrain(terrain)
         kept = {name: value for name, value in (run.command or {}).items() if name not in own}
@@ -209,7 +212,9 @@ def _walk(
     settings: SimulateSettings, plan: _Plan, engine: WalkEngine
 ) -> tuple[Walk, LinkFigures | None]:
     """Walk. Returns: the walk, and figures of the connection if there was one."""
-    walks, wire, count = replace(plan.walks, library=engine.library), plan.wire, settings.episodes
+    walks = replace(plan.walks, library=engine.library)
+    wire = plan.wire
+    count = settings.episodes
     if settings.begun is not None:
         settings.begun()
     record = bool(plan.films or settings.adapt)
@@ -235,7 +240,9 @@ def _record(
     link: LinkFigures | None,
 ) -> WalkSettings:
     """Return the settings with which the walks can be repeated."""
-    run, law, robots = plan.walks.run, settings.controller, plan.walks.drawn
+    run = plan.walks.run
+    law = settings.controller
+    robots = plan.walks.drawn
     return WalkSettings(
         run=str(run.path),
         plant=walk.plant.robot.name,

@@ -40,9 +40,6 @@ from neuralgaits.sweeps.sweep_folder import SweepFolder
 from neuralgaits.sweeps.sweep_table import to_csv
 from neuralgaits.workflows.sweep_row import carry_out, row_of
 
-MOST_ROWS = 1_000_000
-"""Most rows of a sweep; a larger number is taken for a typing error."""
-
 
 @dataclass(frozen=True)
 class Sweep:
@@ -70,7 +67,9 @@ def sweep(settings: SweepSettings) -> Sweep:
         finished row in the folder.
     """
     start_time = time.perf_counter()
-    workers, ray, tell = settings.workers, settings.ray, settings.tell
+    workers = settings.workers
+    ray = settings.ray
+    tell = settings.tell
     open_folder = _folder(settings)
     # Before a folder is made, so that an engine that cannot be had leaves none.
     with settings.engine or worker_pool_for(workers, ray) as pool, open_folder().alone() as folder:
@@ -146,7 +145,9 @@ def _speed_or_pair(speed: float | Interval | None) -> Speed:
 
 def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
     """Return the function that opens the existing sweep or makes a new one, after all checks."""
-    values, out, resume = _settings_given(asked_for), asked_for.out, asked_for.resume
+    values = _settings_given(asked_for)
+    out = asked_for.out
+    resume = asked_for.resume
     if resume and out is None:
         raise InputError("expected --out DIR with --resume, found none: name the sweep's folder")
     names = tuple(map(str, asked_for.robots))
@@ -184,8 +185,9 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
         sha256={name: sha256(content) for name, content in inputs.items()},
         **settings,
     )
-    if (rows := count(config)) > MOST_ROWS:
-        raise InputError(f"expected at most {MOST_ROWS} rows, found {rows}: take fewer seeds")
+    most_rows = 1_000_000  # Most rows of a sweep; a larger number is taken for a typing error.
+    if (rows := count(config)) > most_rows:
+        raise InputError(f"expected at most {most_rows} rows, found {rows}: take fewer seeds")
     place = None if out is None else Path(out)
     return lambda: SweepFolder.create(config, inputs, out=place, root=asked_for.root)
 

@@ -59,7 +59,9 @@ class _Row:
     """Stages of a row, and their results so far."""
 
     def __init__(self, settings: Settings, files: Files, base: Path):
-        self.settings, self.files, self.base = settings, files, base
+        self.settings = settings
+        self.files = files
+        self.base = base
         self.run = base / "run"
         self.values: dict[str, Any] = {
             name: settings[name] for name in ("name", "robot", "spec", "seed")

@@ -32,9 +32,6 @@ from neuralgaits.workflows.new_training import new_training
 from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.proof_rounds import ProofRounds
 
-FRESH_SAMPLES_SEED = SEEDS
-"""Seed of the samples on which the summary is measured; no run can have it."""
-
 
 @called_with(TrainSettings)
 def train(settings: TrainSettings) -> Run:
@@ -84,11 +81,11 @@ def train_to_the_end(
 
     Args:
         run: unfinished run; its gait is the untrained one.
-        progress: as in `train`.
-        watch: as in `train`.
+        progress: see `train`.
+        watch: see `train`.
         root: folder of the runs.
         start_time: start time of the command, or of this seed of many (s, of `time.perf_counter`).
-        trainer: as in `take_all_steps`.
+        trainer: see `take_all_steps`.
 
     Raises: NonFiniteError; Interrupted for KeyboardInterrupt; InputError if another command trains
         this run.
@@ -127,11 +124,12 @@ def summary_of(
     Raises: NonFiniteError if its loss or a margin is NaN or infinity.
     """
     config = run.config
-    report = session.trainer.report(run.trained, seed=FRESH_SAMPLES_SEED)
+    seed = SEEDS  # Of the samples on which the summary is measured; no run can have it.
+    report = session.trainer.report(run.trained, seed=seed)
     aimed = report
     if run.spec.aims:
         # Aims concern the middle of the tubes, which calibration replaces by the orbit.
-        aimed = session.trainer.report(session.gait, seed=FRESH_SAMPLES_SEED)
+        aimed = session.trainer.report(session.gait, seed=seed)
     aims = {aim.name: violations(aimed.margins[aim.name], aim.scale) for aim in run.spec.aims}
     conditions = {
         condition.name: violations(report.margins[condition.name], condition.scale)

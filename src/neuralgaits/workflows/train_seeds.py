@@ -20,9 +20,6 @@ from neuralgaits.workflows.new_training import new_training
 from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.seeds_in_parallel import SeedsInParallel
 
-SEEDS_FILE = "seeds.json"
-"""Name of the table of seeds, in the folder that holds their runs."""
-
 
 @dataclass(frozen=True)
 class Seeds:
@@ -56,7 +53,8 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     first = new_training(robot, settings, numbers[0])
     place = None if settings.out is None else Path(settings.out)
     refuse_unwritable(root / LATEST, own=True)
-    path = claim(place, root / SEEDS, robot.name, numbers[0], what="the runs", config=SEEDS_FILE)
+    file_name = "seeds.json"
+    path = claim(place, root / SEEDS, robot.name, numbers[0], what="the runs", config=file_name)
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)
     doubt = gait_doubt(robot, settings.speed, settings.step_length)
@@ -70,7 +68,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
             raise _interruption(many, numbers) from stop
         # It came behind the last step of all.
     summary = _summary(many, numbers, time.perf_counter() - start_time)
-    write_text(path / SEEDS_FILE, to_json(summary))
+    write_text(path / file_name, to_json(summary))
     runs = tuple(many.done[number] for number in numbers if number in many.done)
     if runs:
         # Whichever was the last to finish.

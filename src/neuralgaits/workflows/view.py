@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import viser
+from typing_extensions import override
 
 from neuralgaits._argument_types import type_checked
 from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
@@ -55,8 +56,8 @@ class LiveView(LivePage):
         self.player.start()
 
     @property
+    @override
     def summary(self) -> dict[str, Any]:
-        """Address and run of the page, as `view --json` prints them."""
         return super().summary | {"run": str(self._run.path), "terrain": self._terrain}
 
     def _build_panel(self) -> Panel:

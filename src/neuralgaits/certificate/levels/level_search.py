@@ -28,7 +28,7 @@ from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.records.levels import FULL_ORDER_LEVEL
+from neuralgaits.records.level_words import FULL_ORDER_LEVEL
 from neuralgaits.robots.mjcf.parameters import ParameterAxis, model_of
 
 Errors = tuple[ParameterAxis, ...]

@@ -11,7 +11,7 @@ from neuralgaits.certificate.levels.orbit.level import OrbitLevel
 from neuralgaits.certificate.levels.walking_set.level import WalkingSetLevel
 from neuralgaits.certificate.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
-from neuralgaits.records.levels import WALKING_SET_LEVEL
+from neuralgaits.records.level_words import WALKING_SET_LEVEL
 
 LEVELS = (WalkingSetLevel(), OrbitLevel(), FullOrderLevel(), DisturbedLevel())
 

@@ -15,7 +15,7 @@ from neuralgaits.certificate.levels.levels import LEVELS
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.certificate.proof_file.limits import MOST_NAMES, MOST_SERIES, limit
-from neuralgaits.records.levels import FULL_ORDER_LEVEL, ORBIT_LEVEL, WALKING_SET_LEVEL
+from neuralgaits.records.level_words import FULL_ORDER_LEVEL, ORBIT_LEVEL, WALKING_SET_LEVEL
 
 LEVELS_BY_NUMBER: Mapping[int, Level] = {level.number: level for level in LEVELS}
 T = TypeVar("T")

@@ -19,7 +19,7 @@ from neuralgaits.certificate.run_certificate.proved_monitor import proved_levels
 from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading
 from neuralgaits.control import Controller, Fblin, ScheduledPd
 from neuralgaits.records.law_proof import LawProof
-from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL
+from neuralgaits.records.level_words import DISTURBED_LEVEL, FULL_ORDER_LEVEL
 
 ROUNDING = 1e-9
 """Largest difference of fitted gains from those of a proof file, as a share of the largest gain."""

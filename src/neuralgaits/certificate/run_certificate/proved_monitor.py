@@ -34,7 +34,7 @@ from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF
-from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL, WALKING_SET_LEVEL
+from neuralgaits.records.level_words import DISTURBED_LEVEL, FULL_ORDER_LEVEL, WALKING_SET_LEVEL
 
 
 def monitor_of(run: Run, certificate: CertificateReading | None = None) -> StateMonitor | None:

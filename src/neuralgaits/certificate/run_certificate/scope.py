@@ -12,7 +12,7 @@ from neuralgaits.certificate.provable import refuse_many_axes, why_not_of_belief
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
-from neuralgaits.records.levels import HIGHEST_OF_MANY, WALKING_SET_LEVEL
+from neuralgaits.records.level_words import HIGHEST_OF_MANY, WALKING_SET_LEVEL
 from neuralgaits.robots.mjcf.parameters import axes_of, box_of
 from neuralgaits.robots.parameter_box import checked_box
 

@@ -34,7 +34,7 @@ from neuralgaits.records.certified import (
     Conclusion,
     Verdict,
 )
-from neuralgaits.records.levels import HIGHEST_OF_MANY, ORBIT_LEVEL, WALKING_SET_LEVEL
+from neuralgaits.records.level_words import HIGHEST_OF_MANY, ORBIT_LEVEL, WALKING_SET_LEVEL
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder, from_json, packed

@@ -22,7 +22,7 @@ def caption(name: str, alternating: CommandWalks, proved: bool) -> str:
     """Return the caption of the figure.
 
     Args:
-        name: of the command that changes.
+        name: name of the command that changes.
         alternating: walks under two commands in turn.
         proved: whether it is proved that walks under the same commands converge.
     """
@@ -49,7 +49,7 @@ def draw(name: str, alternating: CommandWalks, random: CommandWalks) -> Figure:
     """Draw both, and the plane of the walk with period two.
 
     Args:
-        name: of the command that changes.
+        name: name of the command that changes.
         alternating: walks under two commands in turn, settled in the end.
         random: walks under commands that do not repeat.
     """

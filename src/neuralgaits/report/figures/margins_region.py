@@ -16,17 +16,6 @@ CAPTION = (
     "the cross marks the smallest) and by which condition that is (right), as found on a grid of "
     "states."
 )
-_FILLS = (
-    ("#dcebf7", ""),
-    ("#f7d9a0", "///"),
-    ("#b9e3d2", "..."),
-    ("#f3c9b0", "\\\\\\"),
-    ("#e6cfe0", "xx"),
-    ("#cfcfcf", "|||"),
-    ("#fff3b0", "---"),
-    ("#9ecae1", "++"),
-)
-"""Fill and hatch of the conditions, the most frequent one first."""
 
 
 @styled
@@ -74,8 +63,19 @@ def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None
     """Show with a fill and a hatch where each condition is the tightest."""
     numbers, counts = np.unique(which, return_counts=True)
     handles = []
+    # Fill and hatch of the conditions, the most frequent one first.
+    fills = (
+        ("#dcebf7", ""),
+        ("#f7d9a0", "///"),
+        ("#b9e3d2", "..."),
+        ("#f3c9b0", "\\\\\\"),
+        ("#e6cfe0", "xx"),
+        ("#cfcfcf", "|||"),
+        ("#fff3b0", "---"),
+        ("#9ecae1", "++"),
+    )
     for number, row in enumerate(numbers[np.argsort(-counts)]):
-        fill, hatch = _FILLS[number % len(_FILLS)]
+        fill, hatch = fills[number % len(fills)]
         mask = (which == row).astype(float)
         area = axes.contourf(z[..., 0], z[..., 1], mask, [0.5, 1.5], colors=[fill], hatches=[hatch])
         area.set_edgecolor("#555555")

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Patch
 
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
-from neuralgaits.records.levels import ORBIT_LEVEL, WALKING_SET_LEVEL
+from neuralgaits.records.level_words import ORBIT_LEVEL, WALKING_SET_LEVEL
 from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import (
     ALLOWED,
@@ -102,7 +102,9 @@ def _safe_set(axes: Axes, data: GaitData) -> list:
 
 
 def _guard_and_reset(axes: Axes, data: GaitData) -> list:
-    z1, z2, foot = data["plane/z1"], data["plane/z2"], data["plane/foot"]
+    z1 = data["plane/z1"]
+    z2 = data["plane/z2"]
+    foot = data["plane/foot"]
     # Far behind the guard the policy means nothing, and its foot may rise and fall again.
     usual = data["guard/z"][:, 0].max()
     ahead = np.where((z1 > 0.0) & (z1 < usual + 0.5 * (z1[-1] - usual)), foot, np.nan)

@@ -4,9 +4,6 @@ from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.markup import Html
 
-MOST_STEPS = 20
-"""Steps that the table shows: an adapted speed has settled by then."""
-
 
 def adapted(simulation: SimulationSummary) -> Html:
     """Return the speeds of a walk's steps; the belief alone where no speed is commanded."""
@@ -16,12 +13,13 @@ def adapted(simulation: SimulationSummary) -> Html:
     if speeds is None or not speeds.told:
         return Html("")
     columns = zip(speeds.told, speeds.commanded, speeds.walked, speeds.measured, strict=True)
+    most_steps = 20  # Steps that the table shows: an adapted speed has settled by then.
     rows = [
         (str(number), *("unknown" if one is None else f"{one:.3f}" for one in row))
         for number, row in enumerate(columns, start=2)
-    ][:MOST_STEPS]
+    ][:most_steps]
     count = len(speeds.told)
-    rest = f", the first {MOST_STEPS} of {count}" if count > MOST_STEPS else ""
+    rest = f", the first {most_steps} of {count}" if count > most_steps else ""
     head = ("step", "told", "commanded", "walked", "measured by the robot")
     return html.tag(
         "div",

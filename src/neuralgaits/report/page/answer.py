@@ -24,7 +24,9 @@ def answer(contents: Contents) -> Section:
 
 def _heading(contents: Contents) -> str:
     """Return the second paragraph's heading, which depends on falls and refuted conditions."""
-    saved, walk, simulation = contents.saved, contents.walk, contents.saved.simulation
+    saved = contents.saved
+    walk = contents.walk
+    simulation = contents.saved.simulation
     fell = (walk is not None and walk.fell) or (simulation is not None and any(simulation.fell))
     broken = any(entry.verdict == "refuted" for entry in saved.conditions.values())
     meant = fell or saved.summary is None or broken

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import PROOF, CertificateRecord
-from neuralgaits.records.levels import ORBIT_LEVEL
+from neuralgaits.records.level_words import ORBIT_LEVEL
 from neuralgaits.report.drawing.command_words import FIGURES as OF_COMMANDS
 from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
 from neuralgaits.report.page import markup as html

@@ -10,7 +10,7 @@ from neuralgaits.report.page.markup import Html, Section, tag
 from neuralgaits.report.page.proof import certificate
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.report.page.training import training
-from neuralgaits.report.page.walking import animation, simulations
+from neuralgaits.report.page.walks import animation, simulations
 
 MOST_BYTES = 5_000_000
 """Largest size of the whole file [bytes]."""

@@ -11,7 +11,7 @@ from neuralgaits.records.certified import (
     Conclusion,
     TheoremConstant,
 )
-from neuralgaits.records.levels import HIGHEST, HIGHEST_OF_MANY, WORDS
+from neuralgaits.records.level_words import HIGHEST, HIGHEST_OF_MANY, WORDS
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html

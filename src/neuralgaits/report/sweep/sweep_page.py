@@ -12,9 +12,6 @@ from neuralgaits.report.page.markup import Html
 from neuralgaits.report.sweep import sweep_figure
 from neuralgaits.runs.shell_words import command, named
 
-MOST_ROWS = 500
-"""Most rows of the table of runs; the CSV file has all of them."""
-
 
 def page(config: SweepConfig, rows: Sequence[SweepRow], summary: SweepSummary) -> str:
     """Return the page as HTML.
@@ -143,7 +140,8 @@ def _survival(config: SweepConfig, groups: Mapping[str, Sequence[SweepRow]]) -> 
 def _runs(rows: Sequence[SweepRow]) -> Html:
     head = ("run", "state", "verdict", "level", "least margin", "speed m/s", "stays up", "time s")
     body = []
-    for row in rows[:MOST_ROWS]:
+    most_rows = 500  # Most rows of the table of runs; the CSV file has all of them.
+    for row in rows[:most_rows]:
         walks, stayed = (sum(getattr(w, n) for w in row.walks) for n in ("walks", "stayed"))
         own, times = row.undisturbed, row.wall_s
         took = sum(t for t in (times.train, times.prove, times.walk) if t is not None)
@@ -160,7 +158,7 @@ def _runs(rows: Sequence[SweepRow]) -> Html:
                 html.number(took),
             )
         )
-    more = len(rows) - MOST_ROWS
+    more = len(rows) - most_rows
     note = f" {more} more are in table.csv." if more > 0 else ""
     return html.section(
         "runs",

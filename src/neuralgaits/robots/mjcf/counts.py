@@ -8,9 +8,6 @@ from xml.etree import ElementTree
 
 from neuralgaits.errors import RobotError
 
-_COPIES = {"replicate": "count", "composite": "count", "flexcomp": "count"}
-_ASSETS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
-
 
 def refuse_large_counts(text: str) -> None:
     """Check the counts of MJCF text.
@@ -24,15 +21,17 @@ def refuse_large_counts(text: str) -> None:
         return
     # Each with the copies that the elements around it make: nesting multiplies them.
     left = [(root, 1)]
+    copies_of = {"replicate": "count", "composite": "count", "flexcomp": "count"}
+    assets = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
     while left:
         element, copies = left.pop()
         tag = str(element.tag)
-        if tag in _COPIES:
-            copies *= _product(element.get(_COPIES[tag], "1"))
+        if tag in copies_of:
+            copies *= _product(element.get(copies_of[tag], "1"))
             most_copies = 1000  # Of anything, copies of copies counted.
             _refuse(tag, copies, most_copies, "copies")
-        if tag in _ASSETS:
-            sides = " ".join(element.get(name, "1") for name in _ASSETS[tag])
+        if tag in assets:
+            sides = " ".join(element.get(name, "1") for name in assets[tag])
             # Pixels of a texture, or heights of a field.
             _refuse(tag, _product(sides), 10**8, "values")
         if tag == "size":

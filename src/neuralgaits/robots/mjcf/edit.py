@@ -117,7 +117,7 @@ class MjcfEdit:
 
         Args:
             kind: joint, actuator, tendon or geom.
-            names: of those.
+            names: names of the elements that go.
         """
         for section in ("sensor", "actuator", "custom"):
             for part in self.root.findall(section):
@@ -153,8 +153,8 @@ class MjcfEdit:
         """Remove motors, and sensors of them.
 
         Args:
-            numbers: of actuators.
-            why: for the line about it.
+            numbers: numbers of the actuators.
+            why: reason, for the line about it.
         """
         for number in numbers:
             element = self.elements.actuators[number]

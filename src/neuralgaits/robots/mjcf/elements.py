@@ -22,9 +22,9 @@ class Elements:
 
     Attributes:
         bodies: the world's is a <worldbody>.
-        joints: of a body, <freejoint> included.
-        geoms: those of the world first.
-        actuators: of all <actuator> sections.
+        joints: <joint> and <freejoint> of all bodies.
+        geoms: geoms of all bodies, the world's first.
+        actuators: entries of all <actuator> sections.
     """
 
     bodies: tuple[Element, ...]
@@ -49,7 +49,7 @@ def match_elements(root: Element, model: mujoco.MjModel) -> Elements:
     """Find the element of each body, joint, geom and actuator of a compiled file.
 
     Args:
-        root: of the file.
+        root: root element of the file.
         model: compiled from it.
 
     Raises: RobotError if the file makes bodies by other elements than <body>.

@@ -14,9 +14,6 @@ from neuralgaits.robots.mjcf.refuse_or_note import all_noted, attempt
 from neuralgaits.robots.mjcf.refused_physics import refuse_unmodelled_physics
 from neuralgaits.robots.mjcf.skeleton import read_skeleton
 
-_ROOT_JOINTS = 3
-"""Number of joints of a root in the plane."""
-
 
 def problems_of_file(source: str | Path) -> tuple[str, ...]:
     """Return every problem of a robot file, one line each; () for one that can be loaded.
@@ -61,8 +58,11 @@ def _joints_below_the_root(model: mujoco.MjModel) -> list[int]:
     welded = [int(one) for one in model.body_weldid]
     moving_bodies = sorted(set(welded) - {0})
     parent = {body: welded[model.body_parentid[body]] for body in moving_bodies}
-    last, joints, roots = 0, 0, set[int]()
-    while joints < _ROOT_JOINTS:
+    last = 0
+    joints = 0
+    roots = set[int]()
+    root_joints = 3
+    while joints < root_joints:
         below = [body for body in moving_bodies if parent[body] == last]
         if len(below) != 1:
             break
@@ -70,7 +70,7 @@ def _joints_below_the_root(model: mujoco.MjModel) -> list[int]:
         roots.add(last)
         joint_types = model.jnt_type[model.jnt_bodyid == last]
         free = mujoco.mjtJoint.mjJNT_FREE in joint_types
-        joints += _ROOT_JOINTS if free else len(joint_types)
+        joints += root_joints if free else len(joint_types)
     hinges = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
     owners = [welded[body] for body in model.jnt_bodyid]
     return [joint for joint in range(model.njnt) if hinges[joint] and owners[joint] not in roots]

@@ -42,7 +42,7 @@ def touching(model: mujoco.MjModel, bodies: tuple[int, ...], floor: int) -> list
 
     Args:
         model: compiled robot file.
-        bodies: of the link.
+        bodies: bodies of the link.
         floor: geom number.
     """
     kind, affinity = model.geom_contype, model.geom_conaffinity
@@ -61,8 +61,8 @@ def is_flat_foot(
 
     Args:
         model: compiled robot file.
-        data: of the model at zero coordinates.
-        tree: of the robot.
+        data: data of the model at zero coordinates.
+        tree: links and joints of the robot.
         leg: its links, lowest first.
         floor: geom number.
     """

@@ -26,7 +26,7 @@ def text_with_joints(text: str, name: str, joints: Mapping[str, JointConstants])
 
     Args:
         text: MJCF of a robot that can be loaded.
-        name: of the robot, unless the file names its model.
+        name: name of the robot, unless the file names its model.
         joints: constants by name of the joint.
 
     Raises: RobotError if the result cannot be loaded.

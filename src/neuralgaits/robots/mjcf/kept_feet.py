@@ -13,7 +13,9 @@ def keep_flat_feet(edit: MjcfEdit) -> None:
 
     Raises: RobotError if the file is no planar tree with two legs that end in flat feet.
     """
-    floor, data, tree = edit.floor(), edit.at_zero(), read_tree(edit.model)
+    floor = edit.floor()
+    data = edit.at_zero()
+    tree = read_tree(edit.model)
     assert floor is not None  # A level one was laid where there was none.
     _, legs, _ = find_legs(tree, 3)  # At most three links a leg, its foot included.
     soles = []

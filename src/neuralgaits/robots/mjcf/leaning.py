@@ -35,7 +35,7 @@ def leaning_robot(robot: PlanarBiped, lean: Scalar | float) -> PlanarBiped:
     """Return the robot with its torso's centre of mass moved across the torso.
 
     Args:
-        robot: of a file, with a torso that has its file's masses.
+        robot: robot of a file, whose torso has the masses of the file.
         lean: how far ahead of the file's the centre of mass is when the torso is upright (m).
 
     Raises: InputError if the robot has no torso.

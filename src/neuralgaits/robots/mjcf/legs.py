@@ -12,31 +12,16 @@ from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
 from neuralgaits.robots.mjcf.refuse_or_note import attempt, notes_problems, refuse
 from neuralgaits.robots.mjcf.skeleton import Skeleton
 
-_QUANTITIES = {
-    "length": "link length [m]",
-    "com": "centre of mass [m]",
-    "mass": "mass [kg]",
-    "inertia": "inertia [kg m^2]",
-    "armature": "armature [kg m^2]",
-    "damping": "damping [N m s/rad]",
-    "torque_limit": "torque limit [N m]",
-    "lower": "lower joint limit [rad]",
-    "upper": "upper joint limit [rad]",
-    "foot_radius": "foot radius [m]",
-    "friction": "foot friction",
-    "sole": "reach of the sole [m]",
-}
-
 
 @dataclass(frozen=True)
 class LegJoint:
     """A leg joint seen both ways: coordinate here = sign * coordinate in the file + offset.
 
     Attributes:
-        joint: of the file.
+        joint: joint of the file.
         sign: +1 or -1.
         offset: [rad], in (-pi, pi].
-        motor: that drives it.
+        motor: motor that drives it.
     """
 
     joint: Joint
@@ -134,6 +119,20 @@ def leg_data(
 
     Raises: RobotError naming the first quantity and bodies that differ.
     """
+    quantities = {
+        "length": "link length [m]",
+        "com": "centre of mass [m]",
+        "mass": "mass [kg]",
+        "inertia": "inertia [kg m^2]",
+        "armature": "armature [kg m^2]",
+        "damping": "damping [N m s/rad]",
+        "torque_limit": "torque limit [N m]",
+        "lower": "lower joint limit [rad]",
+        "upper": "upper joint limit [rad]",
+        "foot_radius": "foot radius [m]",
+        "friction": "foot friction",
+        "sole": "reach of the sole [m]",
+    }
     first, second = (_one_leg(model, tree, skeleton, lines, joints[i], i) for i in range(2))
     joint_fields = ("armature", "damping", "torque_limit", "lower", "upper")
     for field in fields(LegData):
@@ -143,7 +142,7 @@ def leg_data(
                 where = f"body {tree.links[skeleton.legs[leg][i]].name}"
                 if field.name in joint_fields:
                     where = f"joint {joints[leg][i].joint.name}"
-                refuse_quantity(field.name, _QUANTITIES[field.name], value.real, where)
+                refuse_quantity(field.name, quantities[field.name], value.real, where)
         if notes_problems():
             # A number that is not there is named where it is missing, and no difference.
             other, one = (
@@ -159,7 +158,7 @@ def leg_data(
             i = int(wrong[0])
             names = [tree.links[leg[i]].name for leg in skeleton.legs]
             refuse(
-                f"legs of unequal data: {_QUANTITIES[field.name]} is {_number_text(one[i])} at "
+                f"legs of unequal data: {quantities[field.name]} is {_number_text(one[i])} at "
                 "body "
                 f"{names[0]} and {_number_text(other[i])} at body {names[1]}; make the legs equal"
             )

@@ -22,7 +22,7 @@ def compile_what_can_be(text: str, name: str) -> tuple[mujoco.MjModel | None, st
 
     Args:
         text: MJCF text.
-        name: of the robot.
+        name: name of the robot.
 
     Returns: the model and its text, or None if there is a fault that cannot be taken out.
     """

@@ -43,8 +43,8 @@ class _Parts(NamedTuple):
     """A robot file by role: the compiled model and what was read from it.
 
     Attributes:
-        lines: of each link, by index: lower end and line to the upper end, x + i z [m].
-        joints: of both legs.
+        lines: lower end of each link and line to its upper end, x + i z [m], by index.
+        joints: joints of both legs.
         leg: numbers of a leg; the arrays cannot be written.
     """
 
@@ -80,7 +80,7 @@ def robot_from_text(text: str, name: str) -> PlanarBiped:
 
     Args:
         text: MJCF without includes.
-        name: of the robot, unless the file names its model.
+        name: name of the robot, unless the file names its model.
 
     Returns: `PlanarBiped`.
     Raises: RobotError and InputError, as `load_robot`.
@@ -155,8 +155,8 @@ def robot_text(name_or_path: str | Path, dropped: list[str] | None = None) -> tu
     """Return the MJCF text of a built-in robot or a file, and a name for it.
 
     Args:
-        name_or_path: of the robot.
-        dropped: of `standalone_text`.
+        name_or_path: name or file of the robot.
+        dropped: see `standalone_text`.
 
     Raises: RobotError if there is no such robot, or the file cannot be read.
     """

@@ -23,7 +23,7 @@ class Motor:
     """A motor on one joint.
 
     Attributes:
-        name: of the actuator.
+        name: name of the actuator.
         gear: joint torque per control, in the file's joint direction [N m per unit].
         limit: largest joint torque [N m].
     """

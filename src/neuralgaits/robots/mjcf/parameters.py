@@ -22,8 +22,6 @@ from neuralgaits.robots.mjcf.loader import links_from_text, robot_from_text
 from neuralgaits.robots.mjcf.with_errors import LinkErrors, text_with_errors
 from neuralgaits.robots.parameter_box import GROUND, UNITS, Box, checked_box
 
-_RELATIVE = "(relative error)"
-
 
 class ParameterAxis(NamedTuple):
     """One parameter: the quantity whose error it is, and its half width."""
@@ -76,15 +74,16 @@ def axes_of(robot: PlanarBiped, box: Box) -> tuple[ParameterAxis, ...]:
 
 def _names(types: _Types) -> Iterator[tuple[str, str]]:
     """Return (kind, name) of every parameter that a robot has."""
+    relative = "(relative error)"
     for link in types.links:
-        yield "mass", f"mass of {link} {_RELATIVE}"
+        yield "mass", f"mass of {link} {relative}"
     for link in types.links:
         for side in ("along", "across"):
             yield "com", f"centre of mass of {link} {side} (error in m)"
     for link in types.links:
-        yield "inertia", f"inertia of {link} {_RELATIVE}"
+        yield "inertia", f"inertia of {link} {relative}"
     for joint in types.joints:
-        yield "rotor", f"rotor inertia of {joint} {_RELATIVE}"
+        yield "rotor", f"rotor inertia of {joint} {relative}"
     if types.torso:
         yield "lean", f"lean of {types.links[-1]} beyond the belief (error in m)"
 
@@ -119,10 +118,10 @@ class RobotFamily(eqx.Module):
         tables: Re C, Im C, Re b and Im b as linear functions of the features of the types of
             link: mass, its products with the offset of the centre of mass along and across,
             and with the offset squared. [n, n, 4 T], [n, n, 4 T], [n, 4 T], [n, 4 T]
-        masses: of the types of link [kg]. [T]
-        link, joint: of which type each link and each actuated joint is. [n], [m]
+        masses: mass of each type of link [kg]. [T]
+        link, joint: type of each link and of each actuated joint. [n], [m]
         counts: how many links of each type there are. [T]
-        kinds: of the parameters.
+        kinds: kinds of the parameters.
     """
 
     nominal: PlanarBiped
@@ -140,8 +139,8 @@ class RobotFamily(eqx.Module):
         """The family of a robot.
 
         Args:
-            robot: of a file.
-            kinds: of parameters, keys of `UNITS`.
+            robot: robot of a file.
+            kinds: kinds of parameters, keys of `UNITS`.
         """
         leg, torso = links_from_text(robot.layout.xml, robot.name)
         centre, _, _ = derive.centre_coefficients(leg, torso)

@@ -17,9 +17,6 @@ MOST = 1e6
 thousand kilometres or tonnes is a slip of the keyboard."""
 LEAST = 1e-6
 """Smallest value of what must be positive, in SI units."""
-LARGEST_FOOT = 0.25
-"""Largest radius of a foot, in lengths of the leg. The closed form pins the centre of the sphere;
-on a floor it rolls, by radius times angle: this share of each step."""
 
 
 def refuse_unphysical(model: mujoco.MjModel) -> None:
@@ -95,9 +92,9 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
     """Check one number of a leg.
 
     Args:
-        name: of the quantity, as in `derive.LegData`.
-        words: for the quantity, with its unit.
-        value: in that unit.
+        name: name of the quantity in `derive.LegData`.
+        words: the quantity in words, with its unit.
+        value: number in that unit.
         where: the body or joint that has it.
 
     Raises: RobotError if no robot has this value.
@@ -117,16 +114,19 @@ def refuse_large_foot(radius: float, leg: float, name: str) -> None:
     """Refuse a foot sphere that is no point beside its leg.
 
     Args:
-        radius: of the sphere [m].
+        radius: radius of the sphere [m].
         leg: length of the straight leg, to the sphere's centre [m].
-        name: of the sphere's geom.
+        name: name of the sphere's geom.
 
     Raises: RobotError if it is larger than `LARGEST_FOOT` allows.
     """
-    if radius > LARGEST_FOOT * leg:
+    # Largest radius of a foot, in lengths of the leg. The closed form pins the centre of the
+    # sphere; on a floor it rolls, by radius times angle: this share of each step.
+    largest = 0.25
+    if radius > largest * leg:
         refuse(
             f"foot {name} has a radius of {radius:.6g} m: expected at most a quarter of the leg, "
-            f"{LARGEST_FOOT * leg:.6g} m, since larger feet roll and are no points; make the "
+            f"{largest * leg:.6g} m, since larger feet roll and are no points; make the "
             "sphere smaller, with its centre where the leg should end"
         )
 

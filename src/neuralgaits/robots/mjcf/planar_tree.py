@@ -24,7 +24,7 @@ class Joint:
 
     Attributes:
         index: joint number in MuJoCo.
-        name: of the joint.
+        name: name of the joint.
         anchor: where it sits at zero coordinates, x + i z [m].
         sign: d(counter-clockwise angle of child against parent)/d(joint coordinate).
     """
@@ -40,7 +40,7 @@ class Link:
     """Bodies that move as one.
 
     Attributes:
-        name: of the first body.
+        name: name of the first body.
         bodies: body numbers in MuJoCo.
         parent: index of the parent link; None for the root.
         joint: hinge to the parent; for the root, its pitch hinge.

@@ -54,10 +54,10 @@ def planarise(
 
     Args:
         text: MJCF without includes, or a URDF.
-        name: of the robot, unless the file names its model.
+        name: name of the robot, unless the file names its model.
         feet: "point" welds ankles and ends both legs in a sphere; "flat" keeps them.
         weld: names of joints to weld, at the file's first keyframe or at zero.
-        folder: that the meshes of a URDF are looked for from.
+        folder: folder from which the meshes of a URDF are searched.
 
     Returns: `PlanarText`. Raises: RobotError if the file is not a planar biped even so, naming
     what is in the way; ManyProblems if several things are.

@@ -59,7 +59,9 @@ def _weld_ankles(edit: MjcfEdit) -> dict[int, np.ndarray]:
 
     Returns: for the body of each such foot, the place of its ankle in that body's frame [m].
     """
-    model, tree, floor = edit.model, read_tree(edit.model), edit.floor()
+    model = edit.model
+    tree = read_tree(edit.model)
+    floor = edit.floor()
     _, legs, _ = find_legs(tree, 4)  # At most four links a leg, its foot included.
     ankles, data = {}, edit.at_zero()
     for leg in legs:

@@ -28,7 +28,6 @@ from neuralgaits.robots.mjcf.section_plan import (
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
 Element = ElementTree.Element
-_ROOT = (("x", "slide", "1 0 0"), ("z", "slide", "0 0 1"), ("pitch", "hinge", "0 1 0"))
 
 
 def needs_section(model: mujoco.MjModel) -> bool:
@@ -64,7 +63,7 @@ def section(text: str, name: str, weld: frozenset[str]) -> tuple[str, tuple[str,
 
     Args:
         text: MJCF text of a robot, in the plane or in space.
-        name: of the robot, unless the file names its model.
+        name: name of the robot, unless the file names its model.
         weld: names of joints to weld beside those that a section welds.
 
     Returns: MJCF text, and the changes, one line each.
@@ -118,8 +117,9 @@ def _write_base(
     body = ElementTree.SubElement(world, "body", name=base.name, pos=_place(base.anchor))
     joint_names = {model.joint(joint).name for leg in plan.legs for joint in leg}
     prefix = next(p for p in ("root", "base", "section_root") if f"{p}_pitch" not in joint_names)
-    names = tuple(f"{prefix}_{end}" for end, _, _ in _ROOT)
-    for label, (_, kind, axis) in zip(names, _ROOT, strict=True):
+    root_joints = (("x", "slide", "1 0 0"), ("z", "slide", "0 0 1"), ("pitch", "hinge", "0 1 0"))
+    names = tuple(f"{prefix}_{end}" for end, _, _ in root_joints)
+    for label, (_, kind, axis) in zip(names, root_joints, strict=True):
         ElementTree.SubElement(body, "joint", name=label, type=kind, axis=axis)
     _write_inertial(body, base)
     return names
@@ -136,7 +136,9 @@ def _write_legs(
     base = world.find("body")
     assert base is not None
     for leg, foot in zip(plan.legs, feet, strict=True):
-        parent, above, across = base, links[-1].anchor, links[leg[0]].across
+        parent = base
+        above = links[-1].anchor
+        across = links[leg[0]].across
         for joint in leg:
             link = links[joint]
             place = _place(link.anchor - above, across)

@@ -21,12 +21,12 @@ class SectionFoot:
 
     Attributes:
         kind: "sphere" or "box".
-        place: of its centre in the world at the posture, x + i z [m].
+        place: its centre in the world at the posture, x + i z [m].
         size: radius of the sphere, or half length and half height of the box [m].
         friction: sliding coefficient of foot and floor together.
-        condim: of the contact, as the file has it.
+        condim: dimension of the contact, as the file has it.
         source: what in the file it is made of.
-        name: of the geom in the file, or "".
+        name: name of the geom in the file, or "".
     """
 
     kind: str
@@ -45,7 +45,7 @@ def section_foot(
 
     Args:
         model: the robot.
-        data: of the model at the posture.
+        data: data of the model at the posture.
         link: lowest link of the leg.
         has_ankle: whether the leg has enough hinges for the link to be a foot on an ankle.
 
@@ -71,7 +71,8 @@ def section_foot(
     flat = toe - heel >= shortest and max(toe, ankle) - min(heel, ankle) > high > 0.0
     if has_ankle and flat:
         half = min(0.0125, high / 4.0)
-        what = "its mesh ends" if _is_mesh(model, lowest) else "its shapes end"
+        is_mesh = model.geom_type[lowest] == mujoco.mjtGeom.mjGEOM_MESH
+        what = "its mesh ends" if is_mesh else "its shapes end"
         return SectionFoot(
             "box",
             complex((heel + toe) / 2.0, level + half),
@@ -141,7 +142,3 @@ def _contact(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> tuple[flo
     deciding = [one for one in pair if model.geom_priority[one] == priorities.max()]
     friction = float(model.geom_friction[deciding, 0].max())
     return friction, int(model.geom_condim[deciding].max())
-
-
-def _is_mesh(model: mujoco.MjModel, geom: int) -> bool:
-    return bool(model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH)

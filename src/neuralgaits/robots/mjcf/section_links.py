@@ -14,9 +14,9 @@ class SectionLink:
     """A link of the section, at the posture, in the world.
 
     Attributes:
-        name: of its first body in the file.
+        name: name of its first body in the file.
         joint: kept hinge that moves it; -1 for the base.
-        bodies: that are welded into it.
+        bodies: bodies that are welded into it.
         anchor: place of that hinge, x + i z [m]; of the base, of its body.
         across: y of that place [m].
         mass: [kg].

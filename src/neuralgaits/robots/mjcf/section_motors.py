@@ -6,7 +6,7 @@ import mujoco
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.joint_motors import choose_motor, said_of
-from neuralgaits.robots.mjcf.model_contents import ON_JOINT
+from neuralgaits.robots.mjcf.model_contents import JOINT_TRANSMISSIONS
 from neuralgaits.robots.mjcf.motors_and_ranges import plain_motor
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.refuse_or_note import attempt
@@ -39,7 +39,7 @@ def write_motors(
 
 def _joint_of(model: mujoco.MjModel, actuator: int) -> int | None:
     """Return the joint that an actuator acts on; None of one on something else."""
-    on_joint = int(model.actuator_trntype[actuator]) in ON_JOINT
+    on_joint = int(model.actuator_trntype[actuator]) in JOINT_TRANSMISSIONS
     return int(model.actuator_trnid[actuator, 0]) if on_joint else None
 
 

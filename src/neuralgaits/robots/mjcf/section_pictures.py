@@ -8,8 +8,6 @@ import numpy as np
 from neuralgaits.robots.mjcf.section_links import SectionLink
 
 Element = ElementTree.Element
-_STICK_M = 0.03
-"""Radius of the stick that shows a link of which the file has meshes only [m]."""
 
 
 def write_pictures(
@@ -20,8 +18,8 @@ def write_pictures(
     Args:
         world: <worldbody> with the bodies of the links.
         model: the robot of the file.
-        data: of the model at the posture.
-        links: by the joint that moves each.
+        data: data of the model at the posture.
+        links: links by the joint that moves each.
     """
     bodies = {body.get("name"): body for body in world.iter("body")}
     for link in links.values():
@@ -40,13 +38,14 @@ def _draw_sticks(body: Element, link: SectionLink) -> None:
     if link.joint < 0:
         up = 2.0 * (link.com - link.anchor)
         ends.append(f"{up.real:.6g} 0 {up.imag:.6g}")
+    radius = 0.03  # Radius of the stick that shows a link of which the file has meshes only [m].
     for end in ends:
-        if np.linalg.norm([float(word) for word in end.split()]) > _STICK_M:
-            attributes = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(_STICK_M)}
-            ElementTree.SubElement(body, "geom", attributes | _WITHOUT_CONTACT)
+        if np.linalg.norm([float(word) for word in end.split()]) > radius:
+            attributes = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(radius)}
+            ElementTree.SubElement(body, "geom", attributes | _PICTURE_ONLY)
 
 
-_WITHOUT_CONTACT = {"contype": "0", "conaffinity": "0", "mass": "0"}
+_PICTURE_ONLY = {"contype": "0", "conaffinity": "0", "mass": "0"}
 
 
 def _picture_of(
@@ -65,7 +64,7 @@ def _picture_of(
         "pos": _numbers(place),
         "quat": _numbers(turn),
         "rgba": _numbers(model.geom_rgba[geom]),
-        **_WITHOUT_CONTACT,
+        **_PICTURE_ONLY,
     }
 
 

@@ -76,7 +76,7 @@ def plan_section(model: mujoco.MjModel, data: mujoco.MjData, weld: frozenset[str
 
     Args:
         model: the robot, which may move in space.
-        data: of the model at the posture.
+        data: data of the model at the posture.
         weld: names of joints that are welded before legs are looked for.
 
     Raises: RobotError if it is no biped that walks along x.
@@ -131,7 +131,7 @@ def _root_of(
 
     Args:
         model: the robot.
-        data: of the model at the posture.
+        data: data of the model at the posture.
         moving: joints that are not welded.
         above: moving bodies from the world down to the base.
     """

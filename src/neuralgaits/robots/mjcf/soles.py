@@ -10,11 +10,6 @@ from neuralgaits._types import Float
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
-LEVEL_M = 1e-4
-"""Largest difference in height of points of one sole [m]."""
-SHORTEST_M = 0.02
-"""Shortest sole that is treated [m]."""
-
 
 class Sole(NamedTuple):
     """The sole of a foot in the plane, at zero coordinates."""
@@ -36,9 +31,9 @@ def read_sole(
 
     Args:
         model: compiled robot file.
-        data: of the model at zero coordinates.
-        geoms: of the foot that collide with the floor.
-        name: of the foot's body.
+        data: data of the model at zero coordinates.
+        geoms: geoms of the foot that collide with the floor.
+        name: name of the foot's body.
         ankle: place of its joint, x + i z (m).
 
     Raises: RobotError naming the body, what is wrong with its foot, and the remedy.
@@ -59,18 +54,20 @@ def read_sole(
             "`neuralgaits inspect FILE --planarise OUT.xml`"
         )
     level = float(ends[:, 2].min())
-    if float(np.ptp(ends[:, 2])) > LEVEL_M:
+    level_m = 1e-4  # Largest difference in height of points of one sole [m].
+    if float(np.ptp(ends[:, 2])) > level_m:
         refuse(
             f"foot {name} is not level at zero coordinates: turn its {_shape(model, geom)} until "
             "its sole is parallel to the floor"
         )
     heel, toe = float(ends[:, 0].min()), float(ends[:, 0].max())
     behind, ahead, high = ankle.real - heel, toe - ankle.real, ankle.imag - level
-    if min(behind, ahead) < -LEVEL_M or behind + ahead < SHORTEST_M:
+    shortest_m = 0.02  # Shortest sole that is treated [m].
+    if min(behind, ahead) < -level_m or behind + ahead < shortest_m:
         refuse(
             f"foot {name} reaches {1e3 * behind:.3g} mm behind its ankle and {1e3 * ahead:.3g} mm "
             f"ahead, too little to hold the robot: expected none below 0, and "
-            f"{1e3 * SHORTEST_M:g} mm in all; move or lengthen it"
+            f"{1e3 * shortest_m:g} mm in all; move or lengthen it"
         )
     if high <= 0.0:
         refuse(f"the ankle of foot {name} is not above its sole: move one of them")

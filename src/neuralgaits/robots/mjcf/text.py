@@ -14,16 +14,12 @@ from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
-MOST_NESTED = 100
-"""Limit on nested elements: bodies of a leg are four deep, and readers here are recursive."""
-_ASSETS = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
-
 
 def standalone_text(path: Path, dropped: list[str] | None = None) -> str:
     """Read an MJCF file and resolve what it refers to.
 
     Args:
-        path: of the file.
+        path: path of the file.
         dropped: takes the names of pictures that are not there, which are left out then; without
             such a list they are refused.
 
@@ -89,9 +85,11 @@ def _include(
     element: ElementTree.Element, folder: Path, including: tuple[Path, ...], depth: int = 0
 ) -> bool:
     """Replace every <include> below `element`; paths start at the main file's folder."""
-    if depth > MOST_NESTED:
+    # Limit on nested elements: bodies of a leg are four deep, and readers here are recursive.
+    most_nested = 100
+    if depth > most_nested:
         raise RobotError(
-            f"{including[-1].name} has more than {MOST_NESTED} elements in one another, here "
+            f"{including[-1].name} has more than {most_nested} elements in one another, here "
             f"<{element.tag}>: mend what made the file"
         )
     touched = False
@@ -137,11 +135,12 @@ def _absolute_assets(root: ElementTree.Element, folder: Path, dropped: list[str]
     for compiler in root.iter("compiler"):
         options |= compiler.attrib
     touched = False
+    folders = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
     for asset in root.iter("asset"):
         for entry in list(asset):
-            if entry.tag not in _ASSETS or "file" not in entry.attrib:
+            if entry.tag not in folders or "file" not in entry.attrib:
                 continue
-            below = options.get(_ASSETS[entry.tag], options.get("assetdir", ""))
+            below = options.get(folders[entry.tag], options.get("assetdir", ""))
             path = (folder / below / entry.attrib["file"]).resolve()
             if not path.is_file():
                 if dropped is None:
@@ -166,7 +165,7 @@ def _drop_asset(
     """Remove an asset and the geoms that show it, so that the rest of the file can be read.
 
     Args:
-        root: of the file.
+        root: root element of the file.
         asset: section that has the asset.
         entry: the asset.
         bare: whether the file will be used without it, so that no mass may depend on it.

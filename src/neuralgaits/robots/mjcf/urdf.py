@@ -34,8 +34,8 @@ def mjcf_of_urdf(
 
     Args:
         text: URDF text.
-        name: of the robot, unless the file names it.
-        folder: that relative names of meshes start from.
+        name: name of the robot, unless the file names it.
+        folder: folder where relative names of meshes start.
         weld: joints that will be welded, which may mimic others.
 
     Returns: MJCF text, and what was added or left out, one line each.

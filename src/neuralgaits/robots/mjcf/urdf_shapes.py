@@ -9,7 +9,6 @@ from neuralgaits.robots.mjcf.refuse_or_note import refuse
 from neuralgaits.robots.mjcf.urdf_values import attribute, numbers, orientation
 
 Element = ElementTree.Element
-_MOST_NAMES = 4
 
 
 class Shapes:
@@ -20,7 +19,7 @@ class Shapes:
 
         Args:
             robot: root element of the URDF.
-            folder: that holds it.
+            folder: folder that holds the file.
             asset: section of the new file that meshes are named in.
         """
         self._folder, self._asset = folder, asset
@@ -31,8 +30,9 @@ class Shapes:
         """Return one line about meshes left out; none if there are none."""
         if not self._left_out:
             return []
-        more = len(self._left_out) - _MOST_NAMES
-        names = ", ".join(self._left_out[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+        most_names = 4
+        more = len(self._left_out) - most_names
+        names = ", ".join(self._left_out[:most_names]) + (f" and {more} more" if more > 0 else "")
         return [f"meshes not there, or not STL or OBJ, left out: {names}; masses are as given"]
 
     def write(self, body: Element, link: Element, name: str) -> None:

@@ -8,9 +8,6 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 Element = ElementTree.Element
-_KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-_MOST_DEEP = 100
-"""Largest number of links from the root to a hand or foot."""
 
 
 @dataclass(frozen=True)
@@ -18,8 +15,8 @@ class UrdfTree:
     """A tree of links.
 
     Attributes:
-        links: by name.
-        joints: in file order.
+        links: <link> elements by name.
+        joints: <joint> elements in file order.
         below: joints by the name of their parent link.
         root: the link that is nobody's child.
     """
@@ -100,8 +97,9 @@ def _is_whole(joint: Element, links: dict[str, Element], weld: frozenset[str]) -
         if link not in links:
             refuse(f"joint {name} has {end} {link or 'without a name'}, which is no link: mend it")
             return False
-    if kind not in _KINDS:
-        refuse(f"joint {name} has type {kind or 'none'}: expected one of {', '.join(_KINDS)}")
+    kinds = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+    if kind not in kinds:
+        refuse(f"joint {name} has type {kind or 'none'}: expected one of {', '.join(kinds)}")
         return False
     mimic = joint.find("mimic")
     if mimic is not None and name not in weld and kind != "fixed":
@@ -138,13 +136,16 @@ def _refuse_repeated(names: list[str], what: str) -> None:
 
 def _refuse_deep(tree: UrdfTree) -> None:
     """Refuse links that no path from the root reaches, and very deep trees."""
-    depth, visited, level = 0, {tree.root}, [tree.root]
+    depth = 0
+    visited = {tree.root}
+    level = [tree.root]
+    most_deep = 100
     while level:
         level = [tree.child(joint) for link in level for joint in tree.joints_below(link)]
         visited.update(level)
         depth += 1
-        if depth > _MOST_DEEP:
-            raise RobotError(f"the URDF has links {depth} deep: at most {_MOST_DEEP} are read")
+        if depth > most_deep:
+            raise RobotError(f"the URDF has links {depth} deep: at most {most_deep} are read")
     if lost := sorted(set(tree.links) - visited):
         raise RobotError(
             f"links {', '.join(lost)} hang from each other in a ring, a closed loop: expected a "

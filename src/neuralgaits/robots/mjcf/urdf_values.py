@@ -16,9 +16,9 @@ def attribute(
     """Return the numbers of an attribute; the default without element or attribute.
 
     Args:
-        element: that has it, or None.
+        element: element that has it, or None.
         key: name of the attribute.
-        default: as many numbers as are expected.
+        default: numbers without an attribute, as many as are expected.
         owner: link or joint, for the message.
     """
     text = None if element is None else element.get(key)

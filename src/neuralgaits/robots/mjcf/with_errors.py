@@ -36,8 +36,8 @@ def text_with_errors(text: str, errors: LinkErrors) -> str:
     """Return the MJCF text of a robot with these errors, the same in both legs.
 
     Args:
-        text: of a robot that can be loaded.
-        errors: of it.
+        text: MJCF text of a robot that can be loaded.
+        errors: errors of its links.
 
     Raises: InputError if a link would have no inertia, or the file has bodies that it does not
     write out.

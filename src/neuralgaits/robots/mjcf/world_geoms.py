@@ -10,23 +10,21 @@ from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
-_MOST_NAMES = 5
-"""Number of geoms that a line names."""
-
 
 def obstacles_left_out(text: str, name: str) -> tuple[str, ...]:
     """Return one line about the obstacles of a robot file, which are left out; () without any.
 
     Args:
         text: MJCF of a robot that `robot_from_text` takes.
-        name: of the robot.
+        name: name of the robot.
     """
     model = compile_text(text, name)
     names = [_name(model, geom) for geom in _obstacles(model)]
     if not names:
         return ()
-    more = len(names) - _MOST_NAMES
-    listed = ", ".join(names[:_MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
+    most_names = 5
+    more = len(names) - most_names
+    listed = ", ".join(names[:most_names]) + (f" and {more} more" if more > 0 else "")
     one = len(names) == 1
     return (
         f"{'geom' if one else 'geoms'} {listed} of the world: the robot passes through "

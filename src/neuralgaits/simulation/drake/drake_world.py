@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import numpy as np
 from pydrake.multibody.tree import default_model_instance
 from pydrake.systems.analysis import Simulator
+from typing_extensions import override
 
 from neuralgaits._types import Float
 from neuralgaits.simulation.drake.drake_plant import DrakePlant, drake_plant
@@ -38,17 +39,17 @@ class DrakeWorld(World):
             ]
 
     @property
+    @override
     def states(self) -> Float[np.ndarray, "B s"]:
-        """Time, qpos and qvel of every episode at present."""
         return self._states
 
     @property
+    @override
     def touch(self) -> Float[np.ndarray, "B 2"]:
-        """Normal force on each foot at the end of the last tick (N)."""
         return self._touch
 
+    @override
     def lay_floors(self, levels: Float[np.ndarray, "B 2"]) -> None:
-        """Put the floors at these levels at x = 0 (m); nothing on a course."""
         for episode, level in zip(self._episodes, levels, strict=True):
             episode.lay_floors(level)
 

@@ -9,8 +9,6 @@ from neuralgaits._digits import decimal
 from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 
-_PORTS = 2**16
-
 
 @dataclass(frozen=True)
 class LinkConfig:
@@ -21,7 +19,7 @@ class LinkConfig:
         lockstep: wait for every answer instead of keeping time.
         loss: probability that a packet is lost, each way.
         jitter_ms: packets are late by up to this much, each way, whole milliseconds.
-        blend_s: from holding the first posture to the gait [s].
+        blend_s: time of the change from holding the first posture to the gait [s].
         log: file for the first controller's own log, in the format of AMBER-3M; none if empty.
         address: HOST:PORT of a controller that the user has started; if empty, the run's own is
             compiled and started.
@@ -59,9 +57,10 @@ class LinkConfig:
         """Return the two parts of the address. Raises: InputError for anything else."""
         host, colon, port = str(self.address).rpartition(":")
         number = int(port) if port.isascii() and port.isdigit() and len(port) < 6 else 0
-        if not (colon and host and 0 < number < _PORTS):
+        ports = 2**16
+        if not (colon and host and 0 < number < ports):
             raise InputError(
-                f"link address: expected HOST:PORT with a port from 1 to {_PORTS - 1}, found "
+                f"link address: expected HOST:PORT with a port from 1 to {ports - 1}, found "
                 f"{shown(self.address)}: write it as in 127.0.0.1:9000"
             )
         return host.removeprefix("[").removesuffix("]"), number

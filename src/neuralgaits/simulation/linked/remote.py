@@ -30,9 +30,6 @@ from neuralgaits.simulation.linked.wire import (
 from neuralgaits.simulation.ticks.batch import Batch
 from neuralgaits.simulation.ticks.scene import Scene
 
-_SPIN_S = 2e-4
-"""Time before a tick that is spent without sleeping [s], because a sleep may end that late."""
-
 
 class Remote:
     """Controllers in processes, one for each episode. Use as a context."""
@@ -65,7 +62,9 @@ class Remote:
                 f"expected 1 episode with --link address, found {episodes}: a controller walks one "
                 "robot at a time"
             )
-        self._config, self._law, self._laws = config, laws.index(config.law), laws
+        self._config = config
+        self._law = laws.index(config.law)
+        self._laws = laws
         log = Path(config.log) if config.log else None
         if program is None:
             self._links = [ControllerLink.to(*config.host_and_port)]
@@ -196,8 +195,10 @@ class Remote:
             self._overruns += 1
             self._began += late
             return
-        if -late > _SPIN_S:
-            clock.sleep(-late - _SPIN_S)
+        # Time before a tick that is spent without sleeping [s], because a sleep may end that late.
+        spin_s = 2e-4
+        if -late > spin_s:
+            clock.sleep(-late - spin_s)
         while clock.monotonic() < due:
             pass
 

@@ -122,7 +122,9 @@ class _CompiledEpisode:
         self.records: list[np.ndarray] = []
         self.states: list[np.ndarray] = []
         self.strides: list[np.ndarray] = []
-        self._library, self._inputs, self._episode = library, inputs, episode
+        self._library = library
+        self._inputs = inputs
+        self._episode = episode
         self._number = inputs.first + episode
         first = np.array(inputs.schedule.first, dtype=np.float64)
         library.start(byref(walk), 0, pointer(first))
@@ -178,7 +180,9 @@ class _CompiledEpisode:
 
     def _run_chunk(self, scene: Any, data: mujoco.MjData) -> None:
         """Run one chunk and keep its rows."""
-        walk, inputs, library = self.walk, self._inputs, self._library
+        walk = self.walk
+        inputs = self._inputs
+        library = self._library
         whole = inputs.record and self._episode == 0
         recorded = whole or walk.ticks < inputs.longest
         strides = np.zeros((_TOUCHDOWNS, width(len(inputs.schedule.commands))))
@@ -199,7 +203,9 @@ def _batch(
     episodes: Sequence[_CompiledEpisode], plant: Plant, inputs: EpisodeInputs, wall_s: float
 ) -> EpisodeBatch:
     """Return the results of episodes that have ended."""
-    walks, robot, longest = [one.walk for one in episodes], plant.robot, inputs.longest
+    walks = [one.walk for one in episodes]
+    robot = plant.robot
+    longest = inputs.longest
     rows = np.concatenate(episodes[0].records) if inputs.record else None
     records = [np.concatenate(one.records)[:longest] for one in episodes] if longest else []
     return EpisodeBatch(

@@ -33,7 +33,9 @@ def scene_of(
     push: Push,
 ) -> Any:
     """Return `ng_scene` of a plant and a controller."""
-    state_map, layout, robot = plant.state_map, plant.state_map.layout, controller.robot
+    state_map = plant.state_map
+    layout = plant.state_map.layout
+    robot = controller.robot
     types, disturbance = library.layout, plant.disturbance
     leg_length = float(np.sum(robot.hip))
     scene = types.scene()
@@ -90,11 +92,9 @@ def _set_law(law: Any, source: AbstractLaw) -> CompiledLaw:
     form = compiled_law(source)
     if form is None:
         raise InputError(f"expected a law of this package, found {type(source).__name__}")
-    law.name, law.hold_ticks, law.bandwidth = (
-        b"",
-        int(source.hold_ticks),
-        float(form.bandwidth),
-    )
+    law.name = b""
+    law.hold_ticks = int(source.hold_ticks)
+    law.bandwidth = float(form.bandwidth)
     law.model, law.measure_z2 = int(form.model), int(form.measure_z2)
     law.uses_impact_consistent_rates = int(source.uses_impact_consistent_rates)
     _fill(law.stiffness, form.stiffness)

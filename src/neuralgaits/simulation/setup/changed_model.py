@@ -16,7 +16,7 @@ class ModelParts(NamedTuple):
 
     Attributes:
         contacts: geoms whose friction counts at a foot.
-        joints: those with a motor.
+        joints: joints with a motor.
         gears: torque on its joint per unit of control, of each motor [N m].
     """
 
@@ -31,9 +31,9 @@ def change_model(
     """Change a model in place; where the torso's weight is, is left to `shift_weight`.
 
     Args:
-        model: to be changed.
-        parts: of it.
-        changes: of masses, motors and joints.
+        model: model that is changed.
+        parts: its bodies, joints and motors.
+        changes: changes of masses, motors and joints.
         friction: coefficient of the feet; None keeps that of the model.
     """
     if friction is not None:
@@ -56,9 +56,9 @@ def shift_weight(model: mujoco.MjModel, root: int, shift: Float[np.ndarray, "3"]
     """Move the centre of mass of a body with all that is welded to it.
 
     Args:
-        model: to be changed.
+        model: model that is changed.
         root: the body.
-        shift: in the world where all joints are at 0 [m].
+        shift: displacement in the world where all joints are at 0 [m].
     """
     data = at_zero(model)
     bodies = [

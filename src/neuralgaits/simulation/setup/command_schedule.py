@@ -25,10 +25,10 @@ class CommandSchedule:
     """Commands of every episode of a simulation.
 
     Attributes:
-        commands: of the gait.
+        commands: commands of the gait.
         first: told of the first step and of those before it. [p]
         table: told of the steps after it, the last row for ever. [K, p]
-        seed: of commands that are drawn at each touchdown; None for the table.
+        seed: seed of commands that are drawn at each touchdown; None for the table.
     """
 
     commands: Commands

@@ -71,9 +71,9 @@ def add_drives(model: mujoco.MjModel, actuators: np.ndarray, disturbance: PlantC
     Their limits become limits of the whole torque: a control then stands for torque and targets.
 
     Args:
-        model: of the plant; changed.
+        model: model of the plant, which is changed.
         actuators: numbers of its motors.
-        disturbance: with the gains.
+        disturbance: changes of the plant, with the gains.
     """
     if not disturbance.has_drives:
         return
@@ -102,7 +102,7 @@ def held_by_drives(
     """Return what the controls add for the drives' targets: kp q + kd dq of the tick [N m].
 
     Args:
-        state_map: of the plant.
+        state_map: state map of the plant.
         measurement: what the controller measured.
         gains: stiffness [N m/rad] and damping [N m s/rad].
     """

@@ -14,10 +14,10 @@ class EpisodeInputs:
 
     Attributes:
         terrain: floor levels, before the first tick.
-        push: of each robot, at the pitch axis of its root; likewise.
+        push: push of each robot, at the pitch axis of its root; likewise.
         schedule: what each touchdown is to latch.
-        courses: that they walk on in place of floors, and are told by; None for floors.
-        seed: of the noise of the sensors.
+        courses: ground in place of floors, which also gives commands; None for floors.
+        seed: seed of the sensors' noise.
         noisy: whether they have noise.
         first: number of the first episode, on which what is random depends.
         record: keep records and states of episode 0.

@@ -31,7 +31,10 @@ class LiveCourse:
         seed: int = 0,
     ):
         """Lay the first length; see `terrains.courses_of`. Raises: InputError with one line."""
-        self._terrain, self._robot, self._steady, self._base = terrain, robot, steady, base
+        self._terrain = terrain
+        self._robot = robot
+        self._steady = steady
+        self._base = base
         self._seed = seed
         self._sizes: dict[str, float] = {}
         self.courses = self._laid(terrain)

@@ -9,9 +9,6 @@ from neuralgaits.errors import InputError
 from neuralgaits.simulation.setup.disturbance import Changes, PlantChanges
 
 PERFECT, ENCODERS = "perfect", "encoders"
-_MOST_BITS = 32
-_NAMES = ("bits", "pitch_noise", "pitch_offset", "delay_ms")
-"""Names of settings that `encoders` takes."""
 
 
 def sensed(disturbance: Changes, sensing: str | None) -> Changes:
@@ -58,13 +55,15 @@ def name_of(disturbance: PlantChanges) -> str:
 
 def _read(settings: list[str]) -> dict[str, float]:
     values: dict[str, float] = {}
+    known_names = ("bits", "pitch_noise", "pitch_offset", "delay_ms")
     for setting in settings:
         name, equals, text = (part.strip() for part in setting.partition("="))
         if not equals:
             raise InputError(f"sensing: expected NAME=VALUE after {ENCODERS}, found {setting!r}")
-        if name not in _NAMES:
+        if name not in known_names:
             raise InputError(
-                f"unknown sensing {name!r}: expected one of {', '.join(_NAMES)} after {ENCODERS}"
+                f"unknown sensing {name!r}: expected one of {', '.join(known_names)} after "
+                f"{ENCODERS}"
             )
         if name in values:
             raise InputError(f"sensing {name} is given twice: give it once")
@@ -77,8 +76,9 @@ def _read(settings: list[str]) -> dict[str, float]:
 
 def _step(bits: float) -> float:
     """Return the resolution of an encoder [rad]."""
-    if not (1 <= bits <= _MOST_BITS and bits == int(bits)):
+    most_bits = 32
+    if not (1 <= bits <= most_bits and bits == int(bits)):
         raise InputError(
-            f"sensing bits: expected a whole number from 1 to {_MOST_BITS}, found {bits:g}"
+            f"sensing bits: expected a whole number from 1 to {most_bits}, found {bits:g}"
         )
     return math.tau / 2 ** int(bits)

@@ -24,8 +24,6 @@ from neuralgaits.simulation.setup.terrain_kinds import KINDS, check_told, kind_o
 
 _SPARE = 2
 """Number of stones beyond the last one of the walk, so that there is one ahead."""
-_RUN_UP_M = 1.0
-"""Length of level ground before and behind the start of a walk on slopes [m]."""
 
 
 def courses_of(
@@ -134,16 +132,17 @@ def _stairs(commands: Commands, size: Mapping[str, float], steps: int, reach: Re
 
 def _slopes(commands: Commands, size: Mapping[str, float], steps: int, reach: Reach) -> Maker:
     """Return plane after plane; each slope differs from the last by at most a step's change."""
+    run_up_m = 1.0  # Length of level ground before and behind the start of a walk on slopes [m].
     slope, length = command_named(commands, "slope"), command_named(commands, "step_length")
     assert slope is not None
     step = reach() if length is None else length.middle
     whole = slope.high - slope.low
     change = whole if slope.largest_change is None else slope.largest_change
     longest = 1.3  # Step of a gait that chooses its length, in units of the middle command's.
-    end = _RUN_UP_M + (steps + _SPARE) * step * longest
+    end = run_up_m + (steps + _SPARE) * step * longest
 
     def make(draws: np.random.Generator) -> Course:
-        x, z = [-_RUN_UP_M, _RUN_UP_M], [0.0, 0.0]
+        x, z = [-run_up_m, run_up_m], [0.0, 0.0]
         steep = 0.0
         while x[-1] < end:
             low, high = max(slope.low, steep - change), min(slope.high, steep + change)

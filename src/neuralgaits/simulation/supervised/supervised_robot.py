@@ -100,7 +100,7 @@ class SupervisedRobot:
         Args:
             q: coordinates with the front leg in stance (rad); its standing posture if None.
             front: the leg in front, 0 or 1.
-            commands: of a gait that takes some.
+            commands: commands of a gait that takes some.
 
         Raises: InputError if the robot has no standing posture and none is given.
         """
@@ -132,7 +132,9 @@ class SupervisedRobot:
 
     def _sense(self) -> None:
         """Read the sensors, with the noise and the resolution of the disturbance."""
-        data, root, changes = self.data, self.plant.state_map.root, self.plant.disturbance
+        data = self.data
+        root = self.plant.state_map.root
+        changes = self.plant.disturbance
         count = self._joints.size
         sensors, angles = self._sensors, self._sensors[6 : 6 + count]
         sensors[0] = data.qpos[root[2]]

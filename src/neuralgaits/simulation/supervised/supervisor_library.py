@@ -15,8 +15,6 @@ from neuralgaits.export import build, output_folder
 from neuralgaits.export.design import Design
 from neuralgaits.export.source import gait_files
 
-_HOST = "supervisor_host.c"
-
 
 def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL:
     """Return the compiled supervisor of a controller.
@@ -27,14 +25,15 @@ def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL
 
     Raises: InputError without a C compiler, SpecError for a policy that C cannot express.
     """
+    host = "supervisor_host.c"
     compiler = Compiler.for_c()
     if compiler is None:
         raise InputError("expected a C compiler for the supervisor, found none: install gcc")
     folder = resources.files("neuralgaits.simulation.supervised") / "c"
     files = output_folder.shipped() | gait_files(design)
-    files[_HOST] = (folder / _HOST).read_text(encoding="utf-8")
+    files[host] = (folder / host).read_text(encoding="utf-8")
     flags = ("-std=c99", "-O2", "-fPIC", "-shared", *build.PRECISIONS[precision])
-    recipe = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", _HOST), flags)
+    recipe = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", host), flags)
     library = ctypes.CDLL(str(compiler.cached(recipe, cache_folder())))
     library.ng_host_bytes.restype = c_size_t
     library.ng_host_start.argtypes = [c_void_p, c_int, c_int]
@@ -55,7 +54,7 @@ class SupervisorTick:
             touchdown, z (m, kg m^2/s), time since a touchdown, 1e30 before the first [s]. [10]
         targets: of each drive: q_des [rad], dq_des [rad/s], kp [N m/rad], kd [N m s/rad], tau_ff
             [N m]. [2, k, 5]
-        torques: of the file's joints [N m]. [2, k]
+        torques: torques of the file's joints [N m]. [2, k]
     """
 
     def __init__(self, library: ctypes.CDLL, shape: tuple[int, int]):
@@ -71,7 +70,7 @@ class SupervisorTick:
 
         Args:
             estimate: whether rates and velocity are estimated, not measured.
-            commands: of a gait that takes some.
+            commands: commands of a gait that takes some.
         """
         self._library.ng_host_start(self._memory, 0, int(estimate))
         if commands:
@@ -85,7 +84,7 @@ class SupervisorTick:
             time_us: time of the reading; wraps around at 2^32 [us].
             sensors: pitch [rad], its rate [rad/s], velocity x, z [m/s], force on either foot [N],
                 joints [rad], their rates [rad/s], with the signs of the robot file.
-            request: of the operator.
+            request: request of the operator.
         """
         arrays = (self.decided, self.targets, self.torques)
         self._library.ng_host_tick(

@@ -85,7 +85,9 @@ def run(
     feed = CommandFeed(robot, inputs.schedule, episodes, courses, adapt=inputs.adapt)
     levels = terrain.levels if courses is None else courses.first_levels()
     results = _Results(batch, inputs, feed, count)
-    carry, time, plant_steps = batch.carry, 0.0, 0
+    carry = batch.carry
+    time = 0.0
+    plant_steps = 0
     # The first call compiles; its result is thrown away.
     batch.tick(batch.arrays, carry, _reading(world, levels, noise, feed))
     start_time = clock.perf_counter()
@@ -121,7 +123,9 @@ class _Results:
 
     def __init__(self, batch: Batch, inputs: EpisodeInputs, feed: CommandFeed, count: int):
         self.active = np.arange(count)
-        self._batch, self._inputs, self._feed = batch, inputs, feed
+        self._batch = batch
+        self._inputs = inputs
+        self._feed = feed
         self._endings = np.zeros(count, dtype=int)
         self._carries = np.array(batch.carry)
         self._strides: list[list[np.ndarray]] = [[] for _ in range(count)]
@@ -165,7 +169,9 @@ class _Results:
 
     def whole(self, plant_steps: int, wall_s: float) -> EpisodeBatch:
         """Return the results once every episode has ended."""
-        batch, recorder, count = self._batch, self._recorder, len(self._endings)
+        batch = self._batch
+        recorder = self._recorder
+        count = len(self._endings)
         columns = width(len(self._inputs.schedule.commands))
         return EpisodeBatch(
             endings=[Ending(value) for value in self._endings],

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 from mujoco import rollout
+from typing_extensions import override
 
 from neuralgaits._types import Float, Int
 from neuralgaits.simulation.setup.plant import CONTROL_SPEC, Plant
@@ -80,17 +81,17 @@ class MujocoWorld(World):
         self.lay_floors(np.zeros((episodes, 2)))
 
     @property
+    @override
     def states(self) -> Float[np.ndarray, "B s"]:
-        """Time, qpos and qvel of every episode at present."""
         return self._states
 
     @property
+    @override
     def touch(self) -> Float[np.ndarray, "B 2"]:
-        """Normal force on each foot at the end of the last tick (N)."""
         return self._touch[:, -2:]
 
+    @override
     def lay_floors(self, levels: Float[np.ndarray, "B 2"]) -> None:
-        """Put the floors at these levels at x = 0 (m); nothing on a course."""
         if self._plant.course is not None:
             return
         first = self._plant.model.nu + self._plant.model.nv

@@ -3,12 +3,10 @@
 It has no impacts, so a proof is about one flow and one set.
 """
 
-from pathlib import Path
-
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
 from neuralgaits.systems.equilibrium.ellipsoid_levels import EllipsoidLevels
 from neuralgaits.systems.equilibrium.ellipsoid_regions import ellipsoid_table
-from neuralgaits.systems.system_family import SystemFamily
+from neuralgaits.systems.system_family import SystemFamily, imported_when_called
 
 LEVELS = EllipsoidLevels(
     words="a cart-pole",
@@ -18,19 +16,13 @@ LEVELS = EllipsoidLevels(
 )
 
 
-def _recognises(source: str | Path) -> bool:
-    from neuralgaits.systems.cartpole.mjcf import is_cartpole  # Brings MuJoCo.
-
-    return is_cartpole(source)
-
-
 FAMILY = SystemFamily(
     name="cartpole",
     words=LEVELS.words,
     built_in={
         "cartpole": "a cart-pole: the one of DeepMind's Control Suite, 10 N on a rail of 3.6 m"
     },
-    recognises=_recognises,
+    recognises=imported_when_called("neuralgaits.systems.cartpole.mjcf:is_cartpole"),
     assumptions=(
         ASSUMPTIONS[0],
         "the model is the rigid cart-pole with the stored float64 numbers, in exact real "

@@ -15,10 +15,10 @@ class CartPoleData:
     """Numbers of a file, in SI units, from which the model is derived; names of its parts.
 
     Attributes:
-        cart_mass, pole_mass: of the bodies, each with what is welded to it.
-        distance: from the hinge to the pole's centre of mass.
+        cart_mass, pole_mass: masses of the bodies, each with what is welded to it.
+        distance: distance from the hinge to the pole's centre of mass.
         pole_inertia: about its centre of mass, around the hinge's axis.
-        cart_armature, pole_armature, cart_damping, pole_damping: of the joints.
+        cart_armature, pole_armature, cart_damping, pole_damping: numbers of the joints.
         rail_low, rail_high: range of the slide.
         lean: room for the hinge on either side of the upright.
         force_limit: largest force of the motor on the cart.

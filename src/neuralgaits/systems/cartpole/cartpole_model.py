@@ -20,15 +20,15 @@ class CartPole(eqx.Module):
     """Numbers of a cart-pole, in SI units.
 
     Attributes:
-        mass: of cart and pole, with the rotor's reflected mass.
+        mass: mass of cart and pole, with the rotor's reflected mass.
         moment: the pole's mass times the distance of its centre of mass from the hinge [kg m].
-        inertia: of the pole about the hinge, with the hinge's armature [kg m^2].
+        inertia: inertia of the pole about the hinge, with the hinge's armature [kg m^2].
         cart_damping, pole_damping: viscous, of the two joints [N s/m, N m s].
         gravity: acceleration of gravity.
         rail: largest distance of the cart from the middle of its rail [m].
         lean: largest angle of the pole from the upright that its joint has room for [rad].
         force_limit: largest force of the motor on the cart [N].
-        name: of the robot.
+        name: name of the robot.
     """
 
     mass: float

@@ -11,9 +11,9 @@ class CartPoleFacts(Record):
     """A cart-pole's file. Units are in the names.
 
     Attributes:
-        cart_mass_kg: with the rotor's reflected mass.
-        com_distance_m: from the hinge to the pole's centre of mass.
-        inertia_kg_m2: of the pole about the hinge.
+        cart_mass_kg: mass of the cart, with the rotor's reflected mass.
+        com_distance_m: distance from the hinge to the pole's centre of mass.
+        inertia_kg_m2: inertia of the pole about the hinge.
         lean_rad: room for the pole on either side of the upright; at most a quarter turn.
         slide, hinge, motor: names in the file.
     """
@@ -39,7 +39,7 @@ class CartPoleEpisodes(RestEpisodes):
     """Result of `simulate`.
 
     Attributes:
-        largest_x, rail: of the cart from the middle of its rail, and half the rail's length (m).
+        largest_x, rail: largest distance from the rail's middle, and half the rail's length (m).
     """
 
     largest_x: float

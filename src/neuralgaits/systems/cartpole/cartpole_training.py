@@ -19,18 +19,18 @@ RECIPE = EllipsoidRecipe(
     learning_rate=0.05,
     last_share=0.01,
 )
-TURNING = 3.0
-"""Angular velocity of the pole that is weighed like one metre and one radian [rad/s]."""
 
 
 def linear_start(robot: CartPole, width: int, key: PRNGKeyArray) -> EllipsoidStart:
     """Return a linear-quadratic policy for the linearised zero dynamics, and a small ellipsoid."""
+    # Angular velocity of the pole that is weighed like one metre and one radian [rad/s].
+    turning = 3.0
     a, b = robot.linearised()
-    scale = np.array([1.0, 1.0, TURNING * robot.inertia])
+    scale = np.array([1.0, 1.0, turning * robot.inertia])
     riccati = solve_continuous_are(a, b[:, None], np.diag(scale**-2.0), np.eye(1))
     first, second = jax.random.split(key)
     policy = VelocityPolicy.init(-b @ riccati, scale, width, first)
     decay = ErrorDecay.init(5.0, np.append(scale, 1.0), width, second)
-    sizes = np.array([1.0, 1.0, 1.0, TURNING])
+    sizes = np.array([1.0, 1.0, 1.0, turning])
     share = 0.05  # Of an ellipsoid of unit Lyapunov weights.
     return EllipsoidStart.linear(robot, Controls(policy, decay), sizes, share)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import PRNGKeyArray
+from typing_extensions import override
 
 from neuralgaits.systems.cartpole import FAMILY, LEVELS, cartpole_model
 from neuralgaits.systems.cartpole.cartpole_data import CartPoleData
@@ -27,9 +28,14 @@ from neuralgaits.systems.system_family import Screen
 class CartPoleSystem(EquilibriumSystem):
     """Model, training, proofs and words of cart-poles."""
 
-    family, levels, table, recipe = FAMILY, LEVELS, LEVELS.table, RECIPE
+    family = FAMILY
+    levels = LEVELS
+    table = LEVELS.table
+    recipe = RECIPE
     spec_name = "balancing"
-    steps, hidden, state_size = 3000, 16, 4
+    steps = 3000
+    hidden = 16
+    state_size = 4
     why_highest = "a cart-pole's levels 2 and 3 are about the full order already"
     spec_files = (Path(radial_conditions.__file__), Path(cartpole_model.__file__))
     robot_file = Path(__file__).with_name("cartpole.xml")
@@ -37,16 +43,16 @@ class CartPoleSystem(EquilibriumSystem):
     state_units = ("m", "rad", "m/s", "rad/s")
     widest = 1
 
+    @override
     def read(self, text: str, name: str) -> tuple[CartPole, CartPoleData]:
-        """Read model and numbers from MJCF text. Raises: RobotError with all that is wrong."""
         return read_cartpole(text, name)
 
     def start(self, robot: CartPole, width: int, key: PRNGKeyArray) -> EllipsoidStart:
         """Return weights of a linear-quadratic policy, and a small ellipsoid."""
         return linear_start(robot, width, key)
 
+    @override
     def labels(self, robot: CartPole) -> StateLabels:
-        """Return the words of the figures' axes."""
         names = ("cart x [m]", "pole theta [rad]", "cart x' [m/s]", "rate [rad/s]")
         return StateLabels(names, "cart", robot.rail, "force [N]", robot.force_limit)
 
@@ -97,8 +103,8 @@ class CartPoleSystem(EquilibriumSystem):
         """Return how far the cart went."""
         return "cart", f"up to {episodes.largest_x:.4g} of {episodes.rail:g} m from the middle"
 
+    @override
     def header(self, run: FamilyRun) -> ControllerHeader:
-        """Return names and numbers of the exported controller."""
         robot = run.robot
         return ControllerHeader(
             file="cartpole",
@@ -118,8 +124,8 @@ class CartPoleSystem(EquilibriumSystem):
             "force is within the limit",
         )
 
+    @override
     def page_lines(self, run: FamilyRun) -> list[str]:
-        """Return the sentences at the head of a run's page, about robot and set."""
         x, theta, velocity, turning = run.controller.ball.widths
         return [
             f"Set: cart up to {x:.3g} m from the middle of a rail of +-{run.robot.rail:g} m, pole "

@@ -17,8 +17,6 @@ from neuralgaits.systems.cartpole.cartpole_model import CartPole
 from neuralgaits.systems.mjcf_contents import joint_kinds, model_name, planar_link
 
 BUILT_IN = "cartpole"
-STRAIGHT = 1e-9
-"""Largest cosine between directions that are at right angles."""
 
 
 def is_cartpole(source: object) -> bool:
@@ -81,9 +79,10 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
     slide, hinge = _joint(model, SLIDE), _joint(model, HINGE)
     up, on_slide = -model.opt.gravity, joint_label(model, slide)
     along, around = problems.joint_axis(model, slide), problems.joint_axis(model, hinge)
-    if abs(along @ up) > STRAIGHT * np.linalg.norm(up):
+    straight = 1e-9  # Largest cosine between directions that are at right angles.
+    if abs(along @ up) > straight * np.linalg.norm(up):
         yield f'joint {on_slide} is not level: give it an axis such as "1 0 0"'
-    elif max(abs(around @ up) / np.linalg.norm(up), abs(around @ along)) > STRAIGHT:
+    elif max(abs(around @ up) / np.linalg.norm(up), abs(around @ along)) > straight:
         name = joint_label(model, hinge)
         yield f'joint {name} turns out of the rail\'s plane: use an axis such as "0 1 0"'
     if not model.jnt_limited[slide]:
@@ -100,7 +99,9 @@ def _data(model: mujoco.MjModel) -> CartPoleData:
     slide, hinge, data = _joint(model, SLIDE), _joint(model, HINGE), at_zero(model)
     motor = int(np.flatnonzero(model.actuator_trnid[:, 0] == slide)[0])
     gravity = float(np.linalg.norm(model.opt.gravity))
-    up, along, around = -model.opt.gravity / gravity, data.xaxis[slide], data.xaxis[hinge]
+    up = -model.opt.gravity / gravity
+    along = data.xaxis[slide]
+    around = data.xaxis[hinge]
     cart, pole = (planar_link(model, data, joint, (along, up)) for joint in (slide, hinge))
     centre = pole.centre
     turn = 1.0 if np.cross(around, up) @ along > 0.0 else -1.0

@@ -57,7 +57,7 @@ class Ball(eqx.Module):
 
         Args:
             count: how many.
-            seed: of the others.
+            seed: seed of the others.
             widest: number of the coordinate.
         """
         shape = np.asarray(self.shape)

@@ -26,7 +26,7 @@ class EllipsoidLevels:
     """Conclusions of a family from its conditions on an ellipsoid.
 
     Attributes:
-        words: of the family, with an article.
+        words: name of the family, with an article.
         table: its conditions.
         limits: what its conditions about limits say, in words.
         rest: where its trajectories come to rest, in words.
@@ -44,7 +44,7 @@ class EllipsoidLevels:
 
         Args:
             bounds: proved bound by condition; None if there is none.
-            rate: that descent and settling are about [1/s].
+            rate: decay that descent and settling require [1/s].
             level: the highest level that is asked for.
         """
         limits = (name for name in self.table.conditions if name not in RADIAL)

@@ -31,10 +31,10 @@ class EllipsoidRecipe:
     Attributes:
         samples, worst: states a gradient step, and how many of the worst of them count.
         target: margin that training aims at, in scales: room between random states and all.
-        targets: of single conditions; those that need most of a proof's boxes need fewer with
-            more room.
+        targets: targets of single conditions; those that need most of a proof's boxes need
+            fewer with more room.
         gain, penalty: weights of the logarithm of the volume, and of margins below the target.
-        learning_rate, last_share: at the start, and its share at the end.
+        learning_rate, last_share: learning rate at the start, and its share at the end.
     """
 
     samples: int
@@ -52,7 +52,7 @@ class EllipsoidWeights(eqx.Module):
 
     Attributes:
         controls: functions of the controller.
-        sizes, slants: of the ellipsoid relative to the first: logarithms [4], entries below the
+        sizes, slants: the ellipsoid relative to the first: logarithms [4], entries below the
             diagonal [6].
     """
 
@@ -75,8 +75,8 @@ class EllipsoidStart(NamedTuple):
 
         Args:
             robot: the model.
-            controls: of the controller, with 0 at rest.
-            sizes: of the state's coordinates: Lyapunov's equation weighs them alike. [4]
+            controls: functions of the controller, with 0 at rest.
+            sizes: units of the state's coordinates: Lyapunov's equation weighs them alike. [4]
             share: size of the ellipsoid.
         """
         at_rest = jax.jacobian(lambda y: robot.motion(controls, y).rates)(jnp.zeros(4))
@@ -108,7 +108,7 @@ def train_ellipsoid(
         robot: the model.
         start: weights at the start.
         recipe: numbers of the training.
-        key: of the samples.
+        key: key of the samples.
         steps: gradient steps.
         rate: required decay of the radius [1/s].
         progress: called now and then.

@@ -10,6 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 from matplotlib.figure import Figure
+from typing_extensions import override
 
 from neuralgaits._checks import SEEDS
 from neuralgaits._types import Array, Float
@@ -38,10 +39,6 @@ from neuralgaits.systems.network_system import NetworkSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-FRESH = 2**16
-"""Number of the states on which the summary is measured."""
-LEAST_WIDTH = 1e-9
-"""Least half width of the set along each of its axes (SI units)."""
 EPISODES = 12
 """Episodes in the pictures, each from the set's face."""
 SHOWN_S = 8.0
@@ -54,7 +51,7 @@ class EllipsoidTrained(TrainedSummary):
 
     Attributes:
         widths: half widths of the set's projections on the coordinates of a state (SI units).
-        volume: of the set, in the product of their units.
+        volume: volume of the set, in the product of their units.
     """
 
     widths: tuple[float, ...]
@@ -67,7 +64,7 @@ class EquilibriumSystem(NetworkSystem):
     Attributes:
         levels: what follows from its conditions.
         recipe: numbers of its training.
-        state_names, state_units: of coordinates and rates.
+        state_names, state_units: names and units of coordinates and rates.
         widest: coordinate that is largest at the start of the first episode.
     """
 
@@ -96,7 +93,7 @@ class EquilibriumSystem(NetworkSystem):
 
         Args:
             run: the run.
-            fields: of a `RestEpisodes`.
+            fields: fields of a `RestEpisodes`.
             largest: value of the first coordinate, on either side.
         """
 
@@ -104,8 +101,8 @@ class EquilibriumSystem(NetworkSystem):
     def reach_in_words(self, episodes: Any) -> tuple[str, str]:
         """Return name and words of how far the first coordinate went."""
 
+    @override
     def untrained(self, config: NetworkConfig) -> EllipsoidController:
-        """Return a controller of zeros, to read arrays into."""
         return EllipsoidController(Controls.zeros(config.width), Ball(np.zeros((4, 4))))
 
     def refuse_controller(self, controller: EllipsoidController, file: Path) -> None:
@@ -114,9 +111,10 @@ class EquilibriumSystem(NetworkSystem):
         Raises: RunError.
         """
         shape = np.asarray(controller.ball.shape)
-        if not np.array_equal(shape, np.tril(shape)) or not np.all(np.diag(shape) >= LEAST_WIDTH):
+        least_width = 1e-9  # Least half width of the set along each of its axes (SI units).
+        if not np.array_equal(shape, np.tril(shape)) or not np.all(np.diag(shape) >= least_width):
             raise RunError(
-                f"expected a lower triangular matrix with a diagonal of {LEAST_WIDTH:g} or more "
+                f"expected a lower triangular matrix with a diagonal of {least_width:g} or more "
                 f"for the set in {file}, found another: the file was changed; train again"
             )
 
@@ -138,12 +136,13 @@ class EquilibriumSystem(NetworkSystem):
 
     def measured(self, run: FamilyRun) -> dict[str, Any]:
         """Return the margins at fresh random states, and the set's sizes."""
+        count = 2**16
         ball = run.controller.ball
         key = jax.random.key(SEEDS)  # No run has that seed.
-        margins = sampled_margins(run.robot, run.controller, run.config.rate, key, FRESH)
+        margins = sampled_margins(run.robot, run.controller, run.config.rate, key, count)
         return {
             "margins": {name: float(np.min(rows)) for name, rows in margins.items()},
-            "samples": FRESH,
+            "samples": count,
             "widths": ball.widths,
             "volume": ball.volume,
         }
@@ -171,10 +170,10 @@ class EquilibriumSystem(NetworkSystem):
         """Return the rate that descent and settling are about."""
         return {"rate": config.rate}
 
+    @override
     def conclude(
         self, bounds: Mapping[str, float | None], config: NetworkConfig, level: int
     ) -> tuple[Conclusion, ...]:
-        """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         return self.levels.conclude(bounds, config.rate, level)
 
     def law(self, run: FamilyRun) -> Callable[[Float[Array, "4"]], dict[str, Array]]:

@@ -74,8 +74,8 @@ def radial_margins(
     Args:
         robot: the model.
         controller: its controller and ellipsoid.
-        rate: at least so quickly must the radius decay [1/s].
-        radius: of the state.
+        rate: required decay of the radius [1/s].
+        radius: radius of the state.
         normal: direction of the state.
     """
     ball = controller.ball

@@ -32,7 +32,7 @@ class RestEpisodes(Record):
     """Result of `simulate`.
 
     Attributes:
-        run, robot: of the run.
+        run, robot: path of the run, and name of its robot.
         episodes: how many, each from a random state on the set's face unless it is the first.
         seconds: length of an episode.
         stayed: how many never left the set, never met a limit.
@@ -66,8 +66,8 @@ class RestTrace:
     Attributes:
         t: times [T].
         state: coordinates and their rates. [T, 4]
-        radius: of the set's chart. [T]
-        force: of the controller, before it is clamped [N]. [T]
+        radius: radius in the set's chart. [T]
+        force: force of the controller before it is clamped [N]. [T]
     """
 
     t: Float[np.ndarray, " T"]
@@ -137,7 +137,7 @@ def simulate_at_rest(
     Args:
         run: the run.
         episodes: how many.
-        seed: of the starts, random on the set's face.
+        seed: seed of the starts, random on the set's face.
         widest: coordinate of a state that is largest at the start of the first episode.
 
     Returns: the fields of a `RestEpisodes`, and the episodes.

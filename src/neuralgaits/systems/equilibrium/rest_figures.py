@@ -15,11 +15,11 @@ class StateLabels:
     """Words for a state and its limits.
 
     Attributes:
-        names: of coordinates and rates, with units. [4]
+        names: names of coordinates and rates, with units. [4]
         moved: what the first coordinate is of.
         limit: largest value of the first coordinate.
         force: name of the force, with its unit.
-        force_limit: of the motor.
+        force_limit: largest force of the motor.
     """
 
     names: Sequence[str]

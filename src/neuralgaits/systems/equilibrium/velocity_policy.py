@@ -24,7 +24,7 @@ class VelocityPolicy(eqx.Module):
     Without biases it is odd, so 0 is an equilibrium exactly.
 
     Attributes:
-        gains: of the linear part, in units of the velocity. [3]
+        gains: gains of the linear part, in units of the velocity. [3]
         hidden: weights of the hidden layer. [h, 3]
         output: weights of the output. [h]
         scale: sizes of z, which training leaves as they are. [3]

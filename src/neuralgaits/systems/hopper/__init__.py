@@ -3,24 +3,15 @@
 It has stances, flights and touchdowns, so a proof is about its hybrid zero dynamics.
 """
 
-from pathlib import Path
-
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
 from neuralgaits.systems.hopper.hop_levels import with_hop_levels
-from neuralgaits.systems.system_family import SystemFamily
-
-
-def _recognises(source: str | Path) -> bool:
-    from neuralgaits.systems.hopper.hopper_file import is_hopper  # Brings MuJoCo.
-
-    return is_hopper(source)
-
+from neuralgaits.systems.system_family import SystemFamily, imported_when_called
 
 FAMILY = SystemFamily(
     name="hopper",
     words="a hopper",
     built_in={"hopper": "a planar hopper: a leg that slides out of a hub with a wheel"},
-    recognises=_recognises,
+    recognises=imported_when_called("neuralgaits.systems.hopper.hopper_file:is_hopper"),
     assumptions=(
         ASSUMPTIONS[0],
         "the model is the rigid hopper with the stored float64 numbers, in exact real arithmetic, "

@@ -40,8 +40,8 @@ class FlightPlan:
     """Desired lean and length over the time of a flight.
 
     Attributes:
-        duration: of the flight [s].
-        start, end: of the leg.
+        duration: duration of the flight [s].
+        start, end: states of the leg.
     """
 
     duration: float
@@ -61,9 +61,9 @@ class FlightPlan:
 
         Args:
             robot: the model.
-            start: of the leg.
+            start: state of the leg.
             wheel_momentum: inertia times absolute rate of the wheel [kg m^2/s].
-            height: of the foot over the floor [m].
+            height: height of the foot over the floor [m].
             landing: lean and length at touchdown.
         """
         sine, cosine = math.sin(start.lean), math.cos(start.lean)
@@ -119,7 +119,9 @@ def _commanded(track: Track, value: float, rate: float) -> float:
 
 def _cubic(share: float, total: float, low: float, high: float, first: float, last: float) -> Track:
     """Return a cubic with values and rates at both ends of a time."""
-    first, last, rise = first * total, last * total, high - low
+    first = first * total
+    last = last * total
+    rise = high - low
     square, cube = 3.0 * rise - 2.0 * first - last, first + last - 2.0 * rise
     value = low + share * (first + share * (square + share * cube))
     rate = first + share * (2.0 * square + 3.0 * share * cube)

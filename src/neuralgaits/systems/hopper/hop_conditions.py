@@ -14,9 +14,6 @@ from neuralgaits.systems.hopper.hop_tube import HopTube, polynomial
 from neuralgaits.systems.hopper.hopper_model import Hopper
 from neuralgaits.systems.hopper.length_policy import LengthPolicy
 
-LEAST_RATIO = 0.1
-"""Least ratio of momenta about the foot after and before a flight, and least weight and width."""
-
 
 class HopController(eqx.Module):
     """Policy and tube that training finds."""
@@ -96,17 +93,19 @@ def hop_margins(
     least_support = 0.05  # Upward force of the floor, as a share of the weight.
     least_rise = 0.3  # Upward velocity of the centre of mass at lift-off [m/s].
     least_forward = 0.2  # Rate of the lean in stance [rad/s].
+    # Least ratio of momenta about the foot after and before a flight, and least weight and width.
+    least_ratio = 0.1
     return {
         "low fence": upward,
         "high fence": -upward,
         "forward": jnp.stack([rates[0], policy.sweep]) - least_forward,
-        "chart": jnp.stack([weight, width]) - LEAST_RATIO,
+        "chart": jnp.stack([weight, width]) - least_ratio,
         "support": support - least_support,
         "grip": jnp.stack([robot.friction * support - forward, robot.friction * support + forward]),
         "push": jnp.stack([1.0 - push, 1.0 + push]),
         "reach": jnp.stack([length - robot.shortest, robot.longest - length]),
         "flies": jnp.stack(
-            [hop.upward * sigma - least_rise, (hop.landing - LEAST_RATIO) * jnp.ones_like(s)]
+            [hop.upward * sigma - least_rise, (hop.landing - least_ratio) * jnp.ones_like(s)]
         ),
         "blow": jnp.stack([robot.friction * blow[1] - blow[0], robot.friction * blow[1] + blow[0]]),
         "lands": jnp.stack([landing, 1.0 - landing]),

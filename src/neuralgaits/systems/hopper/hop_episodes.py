@@ -52,16 +52,16 @@ class HopEpisodes(Record):
     """Result of `simulate`.
 
     Attributes:
-        run, robot: of the run.
+        run, robot: path of the run, and name of its robot.
         episodes: how many, each from a random energy of the tube at touchdown.
-        hops: of an episode.
+        hops: hops of an episode.
         stayed_up: episodes with all their hops.
         done: hops of all episodes.
         in_tube: share of touchdowns within the tube.
         speed: mean forward speed of the hub [m/s].
         air_time: mean duration of a flight [s].
-        largest_force, force_limit: of the leg's motor in stance, N.
-        largest_torque, torque_limit: of the wheel's motor, N m.
+        largest_force, force_limit: force of the leg's motor in stance, and its limit, N.
+        largest_torque, torque_limit: torque of the wheel's motor, and its limit, N m.
         clamped: share of ticks at which a motor was asked for more than its limit.
         wall_s: elapsed time.
     """
@@ -135,7 +135,9 @@ class HopSimulation:
     """
 
     def __init__(self, run: FamilyRun) -> None:
-        self.robot, self.data, self.controller = run.robot, run.data, run.controller
+        self.robot = run.robot
+        self.data = run.data
+        self.controller = run.controller
         self.model = compile_text(run.folder.copy(ROBOT), run.config.robot)
         self.world = mujoco.MjData(self.model)
         self.law = jax.jit(stance_law(self.robot, self.controller))
@@ -154,7 +156,9 @@ class HopSimulation:
         sigma = float(self.controller.tube.momentum(zero, jnp.asarray(level)))
         turning = sigma / float(self.robot.stance_inertia(length))
         sliding = self.slope * turning
-        sine, cosine, data = np.sin(lean), np.cos(lean), self.data
+        sine = np.sin(lean)
+        cosine = np.cos(lean)
+        data = self.data
         # The hub's own place where all joints are at 0 is part of the file.
         mujoco.mj_kinematics(self.model, self.world)
         foot = self.world.geom_xpos[data.foot]
@@ -243,8 +247,8 @@ def trace_hops(simulation: HopSimulation, level: float, hops: int) -> HopTrace:
     """Simulate one episode.
 
     Args:
-        simulation: of the run; one serves for many episodes.
-        level: of the tube at the first touchdown.
+        simulation: simulation of the run; one serves for many episodes.
+        level: level of the tube at the first touchdown.
         hops: stances, each with its flight.
     """
     simulation.put(level)

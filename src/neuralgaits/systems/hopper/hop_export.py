@@ -83,7 +83,9 @@ def forces_of(run: FamilyRun) -> Callable[[Float[Array, "13"]], dict[str, Array]
 
 def random_states(run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count 13"]:
     """Return random states of stances between the fences, and of flights from their ends."""
-    draw, robot, policy = np.random.default_rng(seed), run.robot, run.controller.policy
+    draw = np.random.default_rng(seed)
+    robot = run.robot
+    policy = run.controller.policy
     first, last, lift_length, _ = (float(end) for end in policy.ends)
     s, level = draw.uniform(size=(2, count))
     sigma = np.asarray(jax.vmap(run.controller.tube.momentum)(jnp.asarray(s), jnp.asarray(level)))

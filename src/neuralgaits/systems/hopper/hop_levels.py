@@ -53,7 +53,7 @@ def conclude(
 
     Args:
         bounds: proved bound by condition; None if there is none.
-        rate: that `approach` is about.
+        rate: convergence rate that `approach` requires.
         level: the highest level that is asked for.
     """
     left = [

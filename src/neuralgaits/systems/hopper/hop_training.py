@@ -27,8 +27,8 @@ def first_gait(robot: Hopper, width: int, key: PRNGKeyArray) -> HopController:
 
     Args:
         robot: the model.
-        width: of the hidden layer.
-        key: of the network's weights.
+        width: width of the hidden layer.
+        key: key of the network's weights.
     """
     lean = 0.3  # At both ends of the stance [rad].
     push = 0.7  # Slope of the length at lift-off [m/rad].
@@ -115,10 +115,10 @@ def train_hopper(
 
     Args:
         robot: the model.
-        seed: of weights and samples.
+        seed: seed of weights and samples.
         steps: gradient steps.
         rate: see `hop_conditions.hop_margins`.
-        width: of the hidden layer.
+        width: width of the hidden layer.
         progress: called now and then.
     """
     key = jax.random.key(seed)

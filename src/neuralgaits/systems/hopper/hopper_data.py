@@ -12,7 +12,7 @@ class HopperData:
     Attributes:
         robot: the model.
         zero_length: length of the leg where its joint is at 0.
-        foot_radius: of the sphere.
+        foot_radius: radius of the foot's sphere.
         force_gear, torque_gear: force and torque for each unit of control.
         joints: numbers of root x, root z, lean, wheel and leg.
         motors: numbers of the wheel's motor and the leg's.

@@ -8,7 +8,13 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
-from neuralgaits.robots.mjcf.model_contents import HINGE, ON_JOINT, SLIDE, at_zero, joint_label
+from neuralgaits.robots.mjcf.model_contents import (
+    HINGE,
+    JOINT_TRANSMISSIONS,
+    SLIDE,
+    at_zero,
+    joint_label,
+)
 from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.systems import mjcf_problems as problems
 from neuralgaits.systems.hopper.hopper_data import HopperData
@@ -16,8 +22,6 @@ from neuralgaits.systems.hopper.hopper_model import Hopper
 from neuralgaits.systems.mjcf_contents import PlanarLink, joint_kinds, model_name, planar_link
 
 BUILT_IN = "hopper"
-ON_LINE = 1e-9
-"""Largest distance [m] of what must lie on the leg's line, or on the wheel's axis."""
 PLANE = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 """Forward and up."""
 ROLES = (
@@ -74,9 +78,11 @@ def _problems_of_tree(model: mujoco.MjModel) -> Iterator[str]:
 def _problems(model: mujoco.MjModel) -> Iterator[str]:
     """Say what else is not a hopper's: axes, lines, ranges, motors, what no formula has."""
     still = at_zero(model)
+    # Largest distance [m] of what must lie on the leg's line, or on the wheel's axis.
+    line_tolerance = 1e-9
     for joint, (words, _, axis) in enumerate(ROLES):
         name = joint_label(model, joint)
-        if np.max(np.abs(still.xaxis[joint] - np.array(axis))) > ON_LINE:
+        if np.max(np.abs(still.xaxis[joint] - np.array(axis))) > line_tolerance:
             right = " ".join(f"{x:g}" for x in axis)
             yield f'joint {name} ({words}): expected the axis "{right}" where all joints are at 0'
         if joint != 4 and model.jnt_limited[joint]:
@@ -88,7 +94,7 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
     if not model.jnt_limited[4]:
         yield f'joint {joint_label(model, 4)} has no range: add range="-0.3 0.2"'
     for words, place in _beside_the_leg(model, still).items():
-        if abs(place) > ON_LINE:
+        if abs(place) > line_tolerance:
             yield f"{words} is {place:.3g} m beside the leg's line: expected 0; move it there"
     if len(_feet(model)) != 1:
         yield f"expected one sphere in the leg's body that can collide, found {len(_feet(model))}"
@@ -115,7 +121,7 @@ def _motors(model: mujoco.MjModel, joint: int) -> list[int]:
     return [
         motor
         for motor in range(model.nu)
-        if int(kinds[motor]) in ON_JOINT and model.actuator_trnid[motor, 0] == joint
+        if int(kinds[motor]) in JOINT_TRANSMISSIONS and model.actuator_trnid[motor, 0] == joint
     ]
 
 
@@ -194,7 +200,9 @@ def difference_from_mujoco(model: mujoco.MjModel, data: HopperData) -> float:
     Kinetic energies at random states are alike if mass matrices are, and with these all forces
     that depend on rates.
     """
-    world, random, worst = mujoco.MjData(model), np.random.default_rng(0), 0.0
+    world = mujoco.MjData(model)
+    random = np.random.default_rng(0)
+    worst = 0.0
     robot = data.robot
     saved = int(model.opt.disableflags)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)

@@ -20,18 +20,18 @@ class Hopper:
     """Numbers of a hopper, in SI units. Lengths are numbers or scalar arrays.
 
     Attributes:
-        upper_mass: of hub and wheel.
-        upper_offset: of their centre of mass from the hip, along the leg, away from the foot.
+        upper_mass: mass of hub and wheel.
+        upper_offset: distance of their centre of mass beyond the hip, along the leg.
         upper_inertia: about that centre; the wheel counts as a mass on its axis.
         wheel_inertia: about its axis.
-        foot_mass: of the part that slides.
-        foot_offset: of its centre of mass from the foot, towards the hip.
+        foot_mass: mass of the part that slides.
+        foot_offset: distance of its centre of mass from the foot, towards the hip.
         foot_inertia: about that centre.
         gravity: acceleration of gravity.
-        shortest, longest: of the leg's length.
-        force_limit, torque_limit: of the leg's motor [N] and the wheel's [N m].
-        friction: of foot and floor.
-        name: of the robot.
+        shortest, longest: range of the leg's length.
+        force_limit, torque_limit: limits of the leg's motor [N] and the wheel's [N m].
+        friction: friction coefficient of foot and floor.
+        name: name of the robot.
     """
 
     upper_mass: float
@@ -85,9 +85,9 @@ class Hopper:
 
         Args:
             theta: lean [rad].
-            length: of the leg [m].
-            rates: of theta and length.
-            accelerations: of theta and length.
+            length: length of the leg [m].
+            rates: rates of theta and length.
+            accelerations: accelerations of theta and length.
         """
         turning, sliding = rates
         angular, extending = accelerations
@@ -112,7 +112,7 @@ class Flight(NamedTuple):
         landing: momentum about the foot at touchdown, at the height of lift-off.
         slope: of the leg's length over its lean at which touchdown leaves the hip's speed along
             the leg as it is [m/rad].
-        blow: of the floor on the foot at touchdown, forward and upward [N s]. [2]
+        blow: impulse of the floor on the foot at touchdown, forward and upward [N s]. [2]
     """
 
     forward: Float[Array, ""]

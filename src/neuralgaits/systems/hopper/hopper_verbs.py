@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
+from typing_extensions import override
 
 from neuralgaits._checks import SEEDS
 from neuralgaits._types import Array, Float
@@ -48,8 +49,9 @@ from neuralgaits.systems.network_system import NetworkSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-FRESH = 2**15
-"""Number of the states on which the summary is measured."""
+
+SHOWN_HOPS = 10
+"""Hops of an episode in the pictures."""
 
 
 class HopperSystem(NetworkSystem):
@@ -57,9 +59,13 @@ class HopperSystem(NetworkSystem):
 
     family, table = FAMILY, TABLE
     summary = HopperTrained
-    spec_name, steps, hidden = "hopping", 600, 8
+    spec_name = "hopping"
+    steps = 600
+    hidden = 8
     # After a hop the distance of two hops, times 1 + rate, is at most that before.
-    rate, highest, state_size = 0.2, 3, 13
+    rate = 0.2
+    highest = 3
+    state_size = 13
     spec_files = tuple(
         Path(str(one.__file__)) for one in (hop_conditions, hop_tube, length_policy, hopper_model)
     )
@@ -67,8 +73,8 @@ class HopperSystem(NetworkSystem):
     about_proofs = "the rigid model's hybrid zero dynamics: flights as their ends"
     robot_file = Path(__file__).with_name("hopper.xml")
 
+    @override
     def read(self, text: str, name: str) -> tuple[Hopper, HopperData]:
-        """Read model and numbers from MJCF text. Raises: RobotError with all that is wrong."""
         return read_hopper(text, name)
 
     def robot_facts(self, robot: Hopper, data: HopperData) -> HopperFacts:
@@ -102,8 +108,8 @@ class HopperSystem(NetworkSystem):
             ]
         )
 
+    @override
     def untrained(self, config: NetworkConfig) -> HopController:
-        """Return a controller of zeros, to read arrays into."""
         width, powers = config.width, np.zeros(DEGREE + 1)
         network = np.zeros((width, 2)), np.zeros(width), np.zeros(width)
         policy = LengthPolicy(np.zeros(4), np.zeros(()), *network, powers, np.zeros(()))
@@ -133,8 +139,9 @@ class HopperSystem(NetworkSystem):
 
     def measured(self, run: FamilyRun) -> dict[str, Any]:
         """Return the margins at fresh random states, and hops at both ends of the tube."""
+        count = 2**15
         key = jax.random.key(SEEDS)  # No run has that seed.
-        margins = sampled_hops(run.robot, run.controller, run.config.rate, key, FRESH)
+        margins = sampled_hops(run.robot, run.controller, run.config.rate, key, count)
         hop, tube = run.controller.policy.flight(run.robot), run.controller.tube
         end = jnp.ones(())
         sigma = [float(tube.momentum(end, jnp.asarray(level))) for level in (0.0, 1.0)]
@@ -142,7 +149,7 @@ class HopperSystem(NetworkSystem):
         gravity = run.robot.gravity
         return {
             "margins": {name: float(np.min(rows)) for name, rows in margins.items()},
-            "samples": FRESH,
+            "samples": count,
             "speeds": tuple(float(hop.forward) * one for one in sigma),
             "heights": tuple(0.5 * one * one / gravity for one in rises),
             "air_times": tuple(2.0 * one / gravity for one in rises),
@@ -170,14 +177,14 @@ class HopperSystem(NetworkSystem):
         """Return the rate of approach that is asked for."""
         return {"rate": config.rate}
 
+    @override
     def conclude(
         self, bounds: Mapping[str, float | None], config: NetworkConfig, level: int
     ) -> tuple[Conclusion, ...]:
-        """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         return conclude(bounds, config.rate, level)
 
+    @override
     def header(self, run: FamilyRun) -> ControllerHeader:
-        """Return names and numbers of the exported controller."""
         return header_of(run)
 
     def law(self, run: FamilyRun) -> Callable[[Float[Array, "13"]], dict[str, Array]]:
@@ -233,8 +240,7 @@ class HopperSystem(NetworkSystem):
     def page_figures(self, run: FamilyRun) -> Sequence[tuple[Figure, str]]:
         """Draw the tube, and hops in MuJoCo."""
         simulation = HopSimulation(run)
-        hops = 10
-        traces = [trace_hops(simulation, level, hops) for level in (0.0, 0.5, 1.0)]
+        traces = [trace_hops(simulation, level, SHOWN_HOPS) for level in (0.0, 0.5, 1.0)]
         tube = draw_tube(run.robot, run.controller, traces)
         return (
             (tube, "The tube's fences, lengths of the leg at them, and levels in MuJoCo"),

@@ -21,11 +21,11 @@ class LengthPolicy(eqx.Module):
     Attributes:
         ends: lean at touchdown and lift-off [rad], length [m] and its slope over the lean [m/rad]
             at lift-off. [4]
-        gain: of the energy [m].
-        hidden, bias: of the hidden layer. [h, 2], [h]
+        gain: gain on the energy [m].
+        hidden, bias: weights and biases of the hidden layer. [h, 2], [h]
         output: weights of the output [m]. [h]
         reference: coefficients of the energy sigma^2 / 2 at which the gain adds nothing. [a]
-        scale: of energies beside it [kg^2 m^4/s^2].
+        scale: unit of energies beside it [kg^2 m^4/s^2].
     """
 
     ends: Float[Array, "4"]

@@ -4,18 +4,9 @@ Hip roll, hip pitch and knee on each leg; two degrees of freedom have no motor, 
 zero dynamics has four numbers. Needs no JAX.
 """
 
-from pathlib import Path
-
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
-from neuralgaits.systems.system_family import SystemFamily
+from neuralgaits.systems.system_family import SystemFamily, imported_when_called
 from neuralgaits.systems.walker3d.spatial_levels import with_spatial_levels
-
-
-def _recognises(source: str | Path) -> bool:
-    from neuralgaits.systems.walker3d.spatial_source import is_spatial  # Brings MuJoCo.
-
-    return is_spatial(source)
-
 
 FAMILY = SystemFamily(
     name="walker3d",
@@ -23,7 +14,7 @@ FAMILY = SystemFamily(
     built_in={
         "walker3d": "a biped in three dimensions: hip roll, hip pitch, knees and point feet, 26 kg"
     },
-    recognises=_recognises,
+    recognises=imported_when_called("neuralgaits.systems.walker3d.spatial_source:is_spatial"),
     assumptions=(
         ASSUMPTIONS[0],
         "the model is the rigid walker with the stored float64 numbers, in exact real arithmetic, "

@@ -24,7 +24,7 @@ class TorqueTick(NamedTuple):
     """Torques of a tick, and the state they were computed from.
 
     Attributes:
-        torques: of the motors, right leg first [N m]; not finite where the gait has no pose. [6]
+        torques: motors' torques, right leg first [N m]; not finite where the gait has no pose. [6]
         z: state of the zero dynamics. [4]
         left: whether the robot stands on its left foot.
     """
@@ -70,7 +70,9 @@ class CompiledController:
 
     def __init__(self, library: ctypes.CDLL):
         """Take the loaded library of `walker3d_tick.c` for one robot."""
-        self._library, self._memory, self._torques = library, _Memory(), _SIX()
+        self._library = library
+        self._memory = _Memory()
+        self._torques = _SIX()
         self.start()
 
     @classmethod

@@ -21,10 +21,6 @@ WIDE, TALL = 330.0, 74.0
 LEFT_PX = 6.0
 """Left margin of a slice [px]."""
 RIGHT_INK, LEFT_INK = Ink("#1a63b8", "#6aa8ee"), Ink("#c46a1b", "#f0a35a")
-M_ACROSS = 2.6
-"""Length of the floor that is seen [m]."""
-PRINTS_PX = 100.0
-"""Height of the drawing of footprints [px]."""
 
 
 class TubeSlices:
@@ -106,13 +102,15 @@ class TubeSlices:
 
 def draw_prints(shown: SpatialMoment) -> str:
     """Return the last footprints and the hips' path from above as HTML; forward is to the right."""
-    scale = WIDE / M_ACROSS
-    middle = np.array([shown.hips[0] - 0.38 * M_ACROSS, shown.hips[1]])
+    height_px = 100.0  # Height of the drawing of footprints [px].
+    m_across = 2.6  # Length of the floor that is seen [m].
+    scale = WIDE / m_across
+    middle = np.array([shown.hips[0] - 0.38 * m_across, shown.hips[1]])
     if len(shown.prints) > 1:
         middle[1] = np.mean([one.y for one in shown.prints[-6:]])
 
     def place(x: float, y: float) -> tuple[float, float]:
-        return 0.5 * WIDE + scale * (x - middle[0]), 0.5 * PRINTS_PX - scale * (y - middle[1])
+        return 0.5 * WIDE + scale * (x - middle[0]), 0.5 * height_px - scale * (y - middle[1])
 
     path = [place(*row) for row in shown.path]
     drawn = f'<polyline points="{_points(path)}" style="fill:none;stroke:currentColor;opacity:.5"/>'
@@ -125,9 +123,9 @@ def draw_prints(shown: SpatialMoment) -> str:
         f'<path d="M{x - 5:.1f},{y - 5:.1f} l10,5 l-10,5 z" style="fill:currentColor;opacity:.8"/>'
     )
     return (
-        f'<div style="padding:2px 10px 4px"><svg viewBox="0 0 {WIDE:.0f} {PRINTS_PX:.0f}" '
+        f'<div style="padding:2px 10px 4px"><svg viewBox="0 0 {WIDE:.0f} {height_px:.0f}" '
         'style="width:100%;display:block" role="img" aria-label="footprints from above">'
-        f'<rect width="{WIDE}" height="{PRINTS_PX}" rx="3" style="fill:rgba(128,140,150,.10)"/>'
+        f'<rect width="{WIDE}" height="{height_px}" rx="3" style="fill:rgba(128,140,150,.10)"/>'
         f"{drawn}</svg></div>"
     )
 

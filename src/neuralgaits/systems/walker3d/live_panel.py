@@ -55,7 +55,9 @@ class SpatialPanel:
         title: str,
     ):
         """Build the panel; `title` is one line of Markdown, `settings` are those of the plant."""
-        self._player, self._stage, self._count = player, stage, 0
+        self._player = player
+        self._stage = stage
+        self._count = 0
         self._tube_name = "tube"
         gui = server.gui
         self._sliders = LimitedSliders(gui)

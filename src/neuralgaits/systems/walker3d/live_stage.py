@@ -50,7 +50,9 @@ class SpatialStage:
             visible=False,
         )
         self._arrow = PushArrow(server)
-        self._aside, self._time, self._count = 0.0, 0.0, 0
+        self._aside = 0.0
+        self._time = 0.0
+        self._count = 0
         leg = robot.walker.thigh.length + robot.walker.shin.length
         self._chest = robot.walker.torso_centre[1]
         self.framing = Framing(2.0 * leg, 2.4 * leg, VIEWS["turned"])

@@ -24,10 +24,6 @@ from neuralgaits.viewer.step_speed import StepSpeed
 
 SAMPLE_TICKS = 16
 """Ticks between two samples of the trail."""
-SAMPLES = 130
-"""Samples of the trail that are kept: some four steps."""
-TILT_TICKS = 10
-"""Ticks between two small turns of the floor."""
 TOO_SLOW = "too slow to finish the step"
 """Why a walk ends of a robot that still stands upright."""
 
@@ -93,7 +89,7 @@ class SpatialLive:
     """A walking robot on a page; implements `viewer.player.PlayableRobot`.
 
     Attributes:
-        run: whose gait walks.
+        run: run whose gait walks.
         plants: the robot in MuJoCo.
     """
 
@@ -155,14 +151,19 @@ class SpatialLive:
         if self._controller is not None:
             self._controller.start()
         self._begun = self._touched = float(world.time)
-        self._left, self._steps, self._pace = False, 0, StepSpeed()
+        self._left = False
+        self._steps = 0
+        self._pace = StepSpeed()
         self._pushed_until, self._force = -1.0, np.zeros(2)
         self._fall: str | None = None
-        self._z, self._ticks, self._inside = np.full(4, np.nan), 0, 0
+        self._z = np.full(4, np.nan)
+        self._ticks = 0
+        self._inside = 0
         self._pending: list[np.ndarray] = []
         self._place = 0.0, np.full(3, np.nan), np.nan
-        self._trail: deque[np.ndarray] = deque(maxlen=SAMPLES)
-        self._path: deque[np.ndarray] = deque(maxlen=2 * SAMPLES)
+        samples = 130  # Of the trail that are kept: some four steps.
+        self._trail: deque[np.ndarray] = deque(maxlen=samples)
+        self._path: deque[np.ndarray] = deque(maxlen=2 * samples)
         self._prints: deque[Footprint] = deque([self._print(left=False)], maxlen=14)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
@@ -213,10 +214,11 @@ class SpatialLive:
     def _turn_floor(self) -> None:
         """Turn the floor a little towards the requested slope, about the stance foot."""
         plants, requested = self.plants, slope_of(self.plants.changes)
-        if plants.slope == requested or self._ticks % TILT_TICKS:
+        tilt_ticks = 10  # Ticks between two small turns of the floor.
+        if plants.slope == requested or self._ticks % tilt_ticks:
             return
         foot = float(plants.foot_places(np.array([int(self._left)]))[0, 0])
-        plants.turn_floor(self._floor.turned(requested, foot, plants.radius, TILT_TICKS * TICK_S))
+        plants.turn_floor(self._floor.turned(requested, foot, plants.radius, tilt_ticks * TICK_S))
 
     @property
     def steps(self) -> int:
@@ -256,7 +258,9 @@ class SpatialLive:
         return self._force if self._world.time < self._pushed_until else np.zeros(2)
 
     def _touch_down(self, left: bool) -> None:
-        self._left, self._steps, self._touched = left, self._steps + 1, float(self._world.time)
+        self._left = left
+        self._steps = self._steps + 1
+        self._touched = float(self._world.time)
         self._compare()
         self._trail.append(np.full(5, np.nan))
         self._pace.touch_down(self._steps, self._touched, float(self._world.qpos[0]))

@@ -44,8 +44,8 @@ def find_orbit(
 
     Args:
         robot: the model.
-        aims: what it should be like.
-        iterations: at most so many.
+        aims: properties of the gait that are aimed at.
+        iterations: largest number of iterations.
         progress: called after each of them with its number and the cost.
 
     Raises: NonFiniteError if the first guess is no gait of the robot, or none has a period.

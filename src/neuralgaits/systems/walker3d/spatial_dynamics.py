@@ -41,8 +41,8 @@ class Flow(NamedTuple):
     """A state of the zero dynamics with what moves.
 
     Attributes:
-        rates: of the state. [4]
-        pose: of the robot.
+        rates: rates of the state. [4]
+        pose: pose of the robot.
         links: centres of mass and axes.
         motion: velocities of the links.
         joints: joint rates, in the order of `JOINTS` [rad/s]. [8]
@@ -61,10 +61,10 @@ class Loads(NamedTuple):
     Attributes:
         ground: force of the ground on the stance foot [N]. [3]
         yaw: moment about the vertical through the stance foot that holds the yaw [N m].
-        torques: of the six motors, stance leg first [N m]. [6]
+        torques: torques of the six motors, stance leg first [N m]. [6]
         idle: moments that the torso's two joints would need, 0 for a motion that no motor there
             drives [N m]. [2]
-        accelerations: of the joints, in the order of `JOINTS` [rad/s^2]. [8]
+        accelerations: joint accelerations in the order of `JOINTS` [rad/s^2]. [8]
     """
 
     ground: Float[Array, "3"]
@@ -125,7 +125,7 @@ def loads_of(
         robot: the model.
         pose: where it is.
         links: centres of mass and axes.
-        rates: of the links' velocities and spins.
+        rates: rates of the links' velocities and spins.
         joints: accelerations of the joints [rad/s^2]. [8]
     """
     lifted = rates.linear + (robot.gravity * UP)[None]

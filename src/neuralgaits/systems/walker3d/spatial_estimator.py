@@ -29,8 +29,8 @@ class SpatialEstimate(NamedTuple):
     """State of the estimator of a robot on its right foot.
 
     Attributes:
-        reading: what would be measured.
-        accelerations: of the six joints [rad/s^2]. [6]
+        reading: estimate of what would be measured.
+        accelerations: accelerations of the six joints [rad/s^2]. [6]
     """
 
     reading: Measured
@@ -49,7 +49,7 @@ def estimate(
 
     Args:
         robot: the model.
-        poles: of the filters.
+        poles: poles of the filters.
         last: before the reading, about the foot that stands now.
         angles: read, in the order of `JOINTS` [rad].
         since: time since the touchdown [s].

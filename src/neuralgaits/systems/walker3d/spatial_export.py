@@ -78,7 +78,9 @@ def law_of(run: FamilyRun) -> Callable[[Float[Array, "20"]], dict[str, Array]]:
 
 def random_states(run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count 20"]:
     """Return states near those of the tube, every second one without a measured velocity."""
-    draw, robot, gait = np.random.default_rng(seed), run.robot, run.controller
+    draw = np.random.default_rng(seed)
+    robot = run.robot
+    gait = run.controller
 
     def full(u: Float[Array, "4"]) -> Float[Array, "19"]:
         z = gait.state(u[0], gait.tube.section(u[0]).states(in_ball(u[1:])))

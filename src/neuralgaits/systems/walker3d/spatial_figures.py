@@ -17,10 +17,6 @@ from neuralgaits.systems.walker3d.spatial_pose import SpatialPose, pose_of_outpu
 from neuralgaits.systems.walker3d.spatial_trace import WalkTrace
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
-SHOWN = 5
-"""Phases at which the robot is drawn."""
-APART = 0.45
-"""Distance of poses that are drawn beside each other [m]."""
 WIDTH = 6.2
 """Width of the figures [in]."""
 SLICES = (("$y$ [mm]", 1e3), ("$L_y$ [kg m²/s]", 1.0), ("$n$ [kg m²/s]", 1.0))
@@ -30,22 +26,24 @@ SLICES = (("$y$ [mm]", 1e3), ("$L_y$ [kg m²/s]", 1.0), ("$n$ [kg m²/s]", 1.0))
 @style.styled
 def draw_step(robot: SpatialWalker, gait: SpatialGait) -> Figure:
     """Draw poses of a step along the tube's middle from the right and from behind."""
+    apart = 0.45  # Distance of poses that are drawn beside each other [m].
+    shown = 5  # Phases at which the robot is drawn.
     figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
-    seen, ticks = 0.43, APART * np.arange(SHOWN)
+    seen, ticks = 0.43, apart * np.arange(shown)
     across = float(ticks[-1]) + 0.5
     side, back = figure.subplots(1, 2, sharey=True, width_ratios=(2.0 * seen, across))
-    for count, t in enumerate(np.linspace(0.0, 1.0, SHOWN)):
-        faint = 0.35 + 0.65 * count / (SHOWN - 1)
+    for count, t in enumerate(np.linspace(0.0, 1.0, shown)):
+        faint = 0.35 + 0.65 * count / (shown - 1)
         for line, color in _lines(robot, _pose(robot, gait, t)):
             drawn = {"color": color, "alpha": faint, "lw": 1.6, "marker": "o", "markersize": 2.5}
             side.plot(line[:, 0], line[:, 2], **drawn)
-            back.plot(APART * count - line[:, 1], line[:, 2], **drawn)
+            back.plot(apart * count - line[:, 1], line[:, 2], **drawn)
     for axes in (side, back):
         axes.axhline(0.0, color=style.GREY, lw=0.8)
         axes.set(aspect="equal")
     side.set(title="from the right", xlabel="forward [m]", ylabel="up [m]", xlim=(-seen, seen))
     back.set(title="from behind", xlabel="phase", xlim=(-0.35, across - 0.35))
-    back.set_xticks(ticks, [f"{t:.2f}" for t in np.linspace(0.0, 1.0, SHOWN)])
+    back.set_xticks(ticks, [f"{t:.2f}" for t in np.linspace(0.0, 1.0, shown)])
     return figure
 
 
@@ -134,7 +132,7 @@ def _outline(rows: Float[np.ndarray, "2 3"], turn: Float[np.ndarray, " p"]) -> n
     """Return the outline of the ellipsoid's shadow on a plane. [p, 2].
 
     Args:
-        rows: of the half axes.
+        rows: rows of the half axes.
         turn: angles.
     """
     values, vectors = np.linalg.eigh(rows @ rows.T)

@@ -91,7 +91,7 @@ def terrain_under(changes: SpatialChanges, count: int, seed: int, first: float) 
     Args:
         changes: slope, and random steps of the floor.
         count: how many walks.
-        seed: of the steps.
+        seed: seed of the steps.
         first: where the left foot is as they begin, forward of the right one [m].
 
     Returns: floors; on a slope, that under the left foot is no higher than the foot at first, and

@@ -40,7 +40,7 @@ class SpatialImpact(NamedTuple):
 
     Attributes:
         rates: joint rates after it [rad/s]. [8]
-        impulse: of the ground on the new stance foot [N s]. [3]
+        impulse: impulse of the ground on the new stance foot [N s]. [3]
         leaving: velocity of the old stance foot after it [m/s]. [3]
     """
 
@@ -78,8 +78,8 @@ def impact(
 
     Args:
         robot: the model.
-        pose: at touchdown.
-        motion: of the links before it.
+        pose: pose at touchdown.
+        motion: motion of the links before it.
         dq: joint rates before it, in the order of `JOINTS` [rad/s].
     """
     after = mirrored(pose)

@@ -44,8 +44,8 @@ class Measured(NamedTuple):
     """Readings of the sensors of a robot on its right foot.
 
     Attributes:
-        joints, rates: in the order of `JOINTS` [rad], [rad/s]. [8], [8]
-        velocity: of the middle of the hips [m/s]. [3]
+        joints, rates: angles and rates in the order of `JOINTS` [rad], [rad/s]. [8], [8]
+        velocity: velocity of the middle of the hips [m/s]. [3]
     """
 
     joints: Float[Array, "8"]
@@ -58,7 +58,7 @@ class TorqueDemand(NamedTuple):
 
     Attributes:
         torques: stance leg first [N m]. [6]
-        errors: of the six joints [rad]. [6]
+        errors: errors of the six joints [rad]. [6]
         z: state of the zero dynamics. [4]
         swing: height of the swing foot above the stance foot [m].
     """
@@ -155,7 +155,7 @@ class Linearisation(NamedTuple):
     Attributes:
         rows, right: rows @ accelerations = right. [8, 8], [8]
         mass, bias: torques = (mass @ accelerations + bias)[2:]. [8, 8], [8]
-        errors, z, swing: as in `TorqueDemand`.
+        errors, z, swing: see `TorqueDemand`.
     """
 
     rows: Float[Array, "*batch 8 8"]

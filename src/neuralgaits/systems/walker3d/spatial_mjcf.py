@@ -33,7 +33,7 @@ class RigidBody(NamedTuple):
 
     Attributes:
         mass: [kg].
-        centre: of mass [m]. [3]
+        centre: centre of mass [m]. [3]
         inertia: about it, around the world's axes [kg m^2]. [3, 3]
     """
 
@@ -48,7 +48,7 @@ class SpatialRobot(NamedTuple):
     Attributes:
         walker: numbers of the model.
         tree: where its parts are in MuJoCo's model.
-        text: of the file.
+        text: text of the file.
     """
 
     walker: SpatialWalker

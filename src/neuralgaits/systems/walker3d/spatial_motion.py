@@ -31,7 +31,7 @@ class LinkMotion(NamedTuple):
     """Velocities of all links. Rates of it, by `jax.jvp`, are their accelerations.
 
     Attributes:
-        linear: of the centres of mass [m/s]. [5, 3]
+        linear: velocities of the centres of mass [m/s]. [5, 3]
         angular: [rad/s]. [5, 3]
         spin: angular momenta about their own centres of mass [kg m^2/s]. [5, 3]
     """
@@ -45,9 +45,9 @@ class Jacobians(NamedTuple):
     """Velocities of the links per unit rate of each joint, the stance foot at rest.
 
     Attributes:
-        linear: of the centres of mass. [5, 3, 8]
+        linear: Jacobians of the centres of mass. [5, 3, 8]
         angular: [5, 3, 8]
-        foot: of the swing foot. [3, 8]
+        foot: Jacobian of the swing foot. [3, 8]
     """
 
     linear: Float[Array, "5 3 8"]
@@ -118,7 +118,10 @@ def joint_rates(pose: SpatialPose, motion: LinkMotion) -> Float[Array, "8"]:
 
 def jacobians_of(links: Links, pose: SpatialPose) -> Jacobians:
     """Return velocities per unit rate of each joint."""
-    forward, normals, hips, knees = pose.torso[0], pose.normals, pose.hips, pose.knees
+    forward = pose.torso[0]
+    normals = pose.normals
+    hips = pose.hips
+    knees = pose.knees
     axes, anchors = [jnp.asarray(FORWARD, forward.dtype), pose.torso[1]], 2 * [hips[0]]
     for side in (0, 1):
         axes += [forward, normals[side], normals[side]]

@@ -33,15 +33,15 @@ class OrbitAims(NamedTuple):
     """Aims of the search for a gait; each is met as well as all others allow.
 
     Attributes:
-        speed: [m/s].
+        speed: mean speed forward [m/s].
         speed_weight: how much a miss of 1 m/s counts.
-        duration: of a step [s].
+        duration: duration of a step [s].
         side: where the stance hip starts, to the left of the stance foot [m].
         normal: least normal force, as a share of the weight.
         friction: largest ratio of the contact's forces.
         torque: largest share of the motors' limits.
         stretch: longest leg, as a share of its links' lengths.
-        clearance: of the swing foot half-way [m].
+        clearance: height of the swing foot half-way [m].
         touchdown: least speed down at which it lands [m/s].
         leaving: least speed up at which the old stance foot leaves [m/s].
         sagittal: largest multiplier of the momentum forward.

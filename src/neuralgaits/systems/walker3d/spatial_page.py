@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from typing_extensions import override
+
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.run_statements import stated_bounds, why_nothing_is_stated
@@ -25,7 +27,7 @@ class SpatialPage(LivePage):
     """A live page of a biped in three dimensions.
 
     Attributes:
-        robot: that walks.
+        robot: simulated robot.
         player: player that moves it.
         url: address of the page.
         port: port that the server listens on.
@@ -59,8 +61,8 @@ class SpatialPage(LivePage):
         self.player.start()
 
     @property
+    @override
     def summary(self) -> dict[str, Any]:
-        """Address and run of the page, as `view --json` prints them."""
         return super().summary | {"run": str(self._run.path)}
 
     def _complete(self) -> None:

@@ -44,7 +44,7 @@ class SpatialPlants:
 
     Attributes:
         robot: the file.
-        changes: of the robot, its motors and sensors.
+        changes: changes of the robot, its motors and sensors.
         model: MuJoCo's.
         worlds: one a walk.
         left: whether each stands on its left foot.
@@ -75,10 +75,10 @@ class SpatialPlants:
 
         Args:
             robot: the file.
-            gait: whose outputs they have.
+            gait: gait whose outputs they have.
             states: on the right foot. [N, 4]
-            changes: of the plant; none if None.
-            seed: of the floor's random steps.
+            changes: changes of the plant; none if None.
+            seed: seed of the floor's random steps.
         """
         changes = SpatialChanges() if changes is None else changes
         model = disturbed_model(robot, changes)

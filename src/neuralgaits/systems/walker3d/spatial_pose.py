@@ -24,10 +24,10 @@ class Outputs(NamedTuple):
     """The six controlled outputs but the torso's roll, which is to be 0.
 
     Attributes:
-        pitch: of the torso, positive forward [rad].
-        height: of the hips above the stance foot [m].
+        pitch: pitch of the torso, positive forward [rad].
+        height: height of the hips above the stance foot [m].
         ahead, aside: place of the swing foot from its hip, forward and to the left [m].
-        lift: of the swing foot above the stance foot [m].
+        lift: height of the swing foot above the stance foot [m].
     """
 
     pitch: Float[Array, ""]
@@ -42,7 +42,7 @@ class SpatialPose(NamedTuple):
 
     Attributes:
         torso: its forward, left and upward axis. [3, 3]
-        hips, knees, feet: of both legs [m]. [2, 3]
+        hips, knees, feet: places of both legs' joints and feet [m]. [2, 3]
         normals: axes of hip pitch and knee of both legs, to the left. [2, 3]
     """
 
@@ -74,7 +74,7 @@ def pose_of_outputs(
 
     Args:
         robot: the model.
-        position: of the stance hip from the stance foot, forward and to the left [m].
+        position: stance hip from the stance foot, forward and to the left [m].
         outputs: where torso, hips and swing foot are.
     """
     sine, cosine = jnp.sin(outputs.pitch), jnp.cos(outputs.pitch)

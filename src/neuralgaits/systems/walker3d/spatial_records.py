@@ -15,7 +15,7 @@ class SpatialFacts(Record):
     Attributes:
         thigh_m, shin_m: lengths of the links.
         hip_width_m: between the hips.
-        torque_limits_nm: of hip roll, hip pitch and knee.
+        torque_limits_nm: limits of hip roll, hip pitch and knee.
         unactuated: degrees of freedom without a motor, on a point foot.
     """
 
@@ -52,7 +52,7 @@ class SpatialTrained(TrainedSummary):
     """Result of `train`. Margins are smallest at random points of each condition's region.
 
     Attributes:
-        speed_m_s, step_m, step_s: of the periodic orbit.
+        speed_m_s, step_m, step_s: speed and step of the periodic orbit.
         multipliers: magnitudes of the multipliers of the orbit, the largest first.
         friction: largest ratio of the contact's forces, of the same samples.
         peak_torque_nm: largest torque of the same samples.

@@ -20,7 +20,7 @@ class SpatialStep(NamedTuple):
     """A step of the zero dynamics.
 
     Attributes:
-        states: at equal distances of phase, the start first. [PHASES + 1, 4]
+        states: states at equal distances of phase, the start first. [PHASES + 1, 4]
         duration: [s].
         landed: state after the touchdown. [4]
         last: flow just before it.

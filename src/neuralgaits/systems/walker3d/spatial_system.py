@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from typing_extensions import override
 
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError, RunError
@@ -54,7 +55,9 @@ class SpatialSystem(ExportedSystem):
     family, table = FAMILY, TABLE
     config, summary = SpatialConfig, SpatialTrained
     spec_files = tuple(Path(str(one.__file__)) for one in (spatial_conditions, spatial_tube))
-    steps, highest, state_size = 250, 3, 20
+    steps = 250
+    highest = 3
+    state_size = 20
     why_highest = "a walker's levels in three dimensions are about its hybrid zero dynamics"
     about_proofs = "the rigid model's projected hybrid zero dynamics, the yaw of the torso held"
     robot_file = Path(__file__).with_name("walker3d.xml")
@@ -105,9 +108,9 @@ class SpatialSystem(ExportedSystem):
         """Return the configuration of a training of a robot that is yet to be read.
 
         Args:
-            seed: that the run keeps; nothing is drawn.
+            seed: seed that the run keeps; nothing is drawn.
             steps: iterations at most; the usual number if None.
-            speed: to walk at [m/s]; one that goes with the legs' length if None.
+            speed: speed to walk at [m/s]; one that goes with the legs' length if None.
 
         Raises: InputError on bad settings.
         """
@@ -128,8 +131,8 @@ class SpatialSystem(ExportedSystem):
             aimed_speed_m_s=speed,
         )
 
+    @override
     def untrained(self, config: Any) -> SpatialGait:
-        """Return a gait of zeros, to read arrays into."""
         del config
         return empty_gait()
 
@@ -201,15 +204,15 @@ class SpatialSystem(ExportedSystem):
         del config
         return {}
 
+    @override
     def conclude(
         self, bounds: Mapping[str, float | None], config: SpatialConfig, level: int
     ) -> tuple[Conclusion, ...]:
-        """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         del config
         return conclude(bounds, level)
 
+    @override
     def header(self, run: FamilyRun) -> ControllerHeader:
-        """Return names and numbers of the exported controller."""
         return header_of(run)
 
     def law(self, run: FamilyRun) -> Callable[[Float[Array, "20"]], dict[str, Array]]:

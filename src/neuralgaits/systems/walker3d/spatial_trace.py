@@ -38,8 +38,12 @@ def trace_walks(run: FamilyRun, steps: int, pushes: tuple[float, ...]) -> list[W
 def _trace(live: SpatialLive, controller: LiveController, steps: int, push: float) -> WalkTrace:
     live.reset()
     live.control_with(controller)
-    rows, path, prints = [], [], dict.fromkeys(live.shown().prints)
-    pushed, taken, ticks = np.full(2, np.nan), 0, 0
+    rows = []
+    path = []
+    prints = dict.fromkeys(live.shown().prints)
+    pushed = np.full(2, np.nan)
+    taken = 0
+    ticks = 0
     sample_ticks = 12
     while taken < steps and live.tick():
         ticks += 1

@@ -9,8 +9,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.robots.mjcf.model_contents import HINGE, SLIDE, at_zero, joint_label, joints_on
 
-ROOT = ((SLIDE, 0), (SLIDE, 1), (SLIDE, 2), (HINGE, 0), (HINGE, 1))
-"""Kinds and axes of the root's joints, in their order: x, y, z, roll, pitch."""
 CLOSE = 1e-9
 """Largest difference of lengths [m] and directions that are equal."""
 
@@ -53,7 +51,9 @@ def tree_of(model: mujoco.MjModel) -> tuple[SpatialTree | None, list[str]]:
     thighs = sorted(children_of(model, moving[0]), key=lambda body: float(data.xpos[body, 1]))
     if len(thighs) != 2:
         return None, [*problems, f"expected two legs on the torso, found {len(thighs)}: no arms"]
-    legs, bodies, feet = [], [moving[0]], []
+    legs = []
+    bodies = [moving[0]]
+    feet = []
     for side, thigh in zip(("right", "left"), thighs, strict=True):
         shins = children_of(model, thigh)
         joints = joints_on(model, thigh)
@@ -104,9 +104,10 @@ def _root_problems(model: mujoco.MjModel, data: mujoco.MjData, root: int) -> Ite
             "that hinge, and see what moment holds the yaw in the results"
         )
         return
-    alike = len(root_joints) == len(ROOT) and all(
+    expected_joints = ((SLIDE, 0), (SLIDE, 1), (SLIDE, 2), (HINGE, 0), (HINGE, 1))
+    alike = len(root_joints) == len(expected_joints) and all(
         kind == expected and _is_axis(axis, number)
-        for (kind, axis), (expected, number) in zip(root_joints, ROOT, strict=True)
+        for (kind, axis), (expected, number) in zip(root_joints, expected_joints, strict=True)
     )
     if not alike:
         yield (

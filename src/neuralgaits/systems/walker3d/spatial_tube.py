@@ -12,7 +12,7 @@ class TubeSection(eqx.Module):
     """The tube's ellipsoid at a phase, with what it changes by per unit of phase.
 
     Attributes:
-        centre, centre_slope: in the units of (y, L_y, n). [3]
+        centre, centre_slope: middle and its slope, in the units of (y, L_y, n). [3]
         axes, axes_slope: half axes, as columns. [3, 3]
     """
 

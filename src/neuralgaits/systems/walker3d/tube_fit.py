@@ -29,8 +29,6 @@ that is shipped so that the conditions hold on tubes as wide as possible in L_y.
 SHRINKING = 0.2
 """Exponent by which the tube lets deviations grow over a step beyond the linearised flow, so that
 the flow points inward; the touchdown takes at least as much back."""
-NEAR = 1e-3
-"""Deviations from the orbit that are followed, in those of `section_scale`."""
 
 
 class _Followed(NamedTuple):
@@ -74,7 +72,7 @@ def gait_of(
         robot: the model.
         orbit: the periodic orbit.
         scale: see `section_scale`.
-        size: of the tube in L_y, in these.
+        size: half width of the tube in L_y, in these.
 
     Raises: NonFiniteError if the orbit is not stable enough.
     """
@@ -109,8 +107,9 @@ def _followed(
     robot: SpatialWalker, orbit: SpatialOrbit, scale: Float[np.ndarray, "3"]
 ) -> _Followed:
     """Follow the orbit and its neighbours over a step."""
+    deviation = 1e-3  # Deviations from the orbit that are followed, in those of `section_scale`.
     policy = orbit.policy
-    near = np.vstack([np.zeros(3), NEAR * np.eye(3), -NEAR * np.eye(3)]) * scale
+    near = np.vstack([np.zeros(3), deviation * np.eye(3), -deviation * np.eye(3)]) * scale
     starts = jnp.asarray(np.asarray(orbit.start) + near)
     steps = quick_jit(jax.vmap(lambda one: step_from(robot, policy, one).states))(starts)
     states = np.asarray(steps)
@@ -119,7 +118,7 @@ def _followed(
     slopes = rates[..., 1:] / rates[..., :1] * float(policy.ends[1] - policy.ends[0])
 
     def differences(rows: np.ndarray) -> np.ndarray:
-        return np.moveaxis(rows[1:4] - rows[4:], 0, -1) / (2.0 * NEAR * scale)
+        return np.moveaxis(rows[1:4] - rows[4:], 0, -1) / (2.0 * deviation * scale)
 
     states = states[..., 1:]
     return _Followed(states[0], slopes[0], differences(states), differences(slopes))

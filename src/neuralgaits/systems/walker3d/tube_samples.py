@@ -17,11 +17,6 @@ from neuralgaits.systems.walker3d.spatial_impact import reset
 from neuralgaits.systems.walker3d.spatial_levels import TABLE
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
-BATCH = 1024
-"""Points that are evaluated together."""
-BEYOND = 0.05
-"""Share of its width by which a draw goes beyond a box before it is cut: ends count more."""
-
 
 def sampled_margins(
     program: Program, count: int, seed: int, names: Mapping[str, str] = TABLE.conditions
@@ -31,7 +26,7 @@ def sampled_margins(
     Args:
         program: outputs of a point of the chart.
         count: points of each region; its boxes share them.
-        seed: of the draw.
+        seed: seed of the draw.
         names: outputs, with the region of each.
 
     Returns: NaN for an output without a value somewhere.
@@ -61,11 +56,12 @@ def searched_margins(program: Program, count: int, seed: int) -> dict[str, float
     Args:
         program: conditions at a point of the chart.
         count: points of each box that are drawn.
-        seed: of the draw.
+        seed: seed of the draw.
 
     Returns: NaN for a condition without a value somewhere.
     """
     draw = np.random.default_rng(seed)
+    kept, neighbours = 16, 32
     least = {}
     for name, region in TABLE.conditions.items():
         own = prune(program, [name])
@@ -77,8 +73,8 @@ def searched_margins(program: Program, count: int, seed: int) -> dict[str, float
                 values = _values(own, points)[name]
                 # A NaN stays one.
                 least[name] = float(np.minimum(least[name], values.min()))
-                lowest = points[np.argsort(values)[:16]]
-                steps = width * (high - low) * draw.standard_normal((32, *lowest.shape))
+                lowest = points[np.argsort(values)[:kept]]
+                steps = width * (high - low) * draw.standard_normal((neighbours, *lowest.shape))
                 points = np.clip(lowest + steps, low, high).reshape(-1, len(low))
     return least
 
@@ -86,9 +82,10 @@ def searched_margins(program: Program, count: int, seed: int) -> dict[str, float
 def _values(program: Program, points: Float[np.ndarray, "N n"]) -> dict[str, np.ndarray]:
     """Return the smallest element of each output at some points, by name. [N]."""
     parts = []
-    for first in range(0, len(points), BATCH):
+    together = 1024
+    for first in range(0, len(points), together):
         with np.errstate(all="ignore"):
-            parts.append(evaluate(program, {"u": points[first : first + BATCH]}, POINT))
+            parts.append(evaluate(program, {"u": points[first : first + together]}, POINT))
     rows = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return {name: row.reshape(len(points), -1).min(axis=1) for name, row in rows.items()}
 
@@ -127,5 +124,7 @@ def _points(
     count: int,
 ) -> Float[np.ndarray, "count n"]:
     """Return random points of a box, many of them on its faces."""
-    share = draw.uniform(-BEYOND, 1.0 + BEYOND, (count, len(low)))
+    # Share of its width by which a draw goes beyond a box before it is cut: ends count more.
+    beyond = 0.05
+    share = draw.uniform(-beyond, 1.0 + beyond, (count, len(low)))
     return low + np.clip(share, 0.0, 1.0) * (high - low)
