@@ -49,7 +49,6 @@ from neuralgaits.systems.network_system import NetworkSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-
 SHOWN_HOPS = 10
 """Hops of an episode in the pictures."""
 
