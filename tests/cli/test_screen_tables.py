@@ -1,5 +1,7 @@
 """No word is broken and no line too long, whatever the width; long tables end in a sentence."""
 
+from functools import partial
+
 import pytest
 from rich.text import Text
 
@@ -275,7 +277,10 @@ SCREENS = {
     "doctor": (robot_screen.show_findings, Machine.of(DOCTOR)),
     "robots": (robot_screen.show_names, BuiltIn.of(ROBOTS)),
     "robot-file": (robot_screen.show_written, BuiltIn.of({**ROBOTS, "written": PATH})),
-    "inspect": (robot_screen.show_robot, RobotFacts.of(INSPECTED)),
+    "inspect": (
+        partial(robot_screen.show_inspected, robot="mine.xml"),
+        RobotFacts.of(INSPECTED),
+    ),
     "planarise": (robot_screen.show_planarised, RobotFacts.of(INSPECTED)),
 }
 BRIEF = {

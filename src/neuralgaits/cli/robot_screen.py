@@ -1,5 +1,7 @@
 """Robot files, built-in names and this machine, for a person."""
 
+from pathlib import Path
+
 from rich.text import Text
 
 from neuralgaits.cli.screen_tables import (
@@ -47,17 +49,41 @@ def show_robot(result: RobotFacts) -> None:
             for motor in result.actuators
         ],
     )
-    apart = ("links", "actuators", "left_out", "warnings", "written", "changes", "flat_feet")
-    show_facts(item for item in result.items() if item[0] not in apart)
-    if result.flat_feet is not None:
-        feet = result.flat_feet
-        sole = f"sole from {number(feet.heel_m)} m behind the ankle to {number(feet.toe_m)} m ahead"
-        under = f"{number(feet.ankle_height_m)} m under it, {number(feet.mass_kg)} kg"
-        show_facts([("flat feet", f"{sole}, {under}")])
+    show_facts(_robot_facts(result))
     for line in result.left_out:
         show_sentence(Text("left out", "yellow"), f": {line}")
     for line in result.warnings:
         show_sentence(Text("warning", "yellow"), f": {line}")
+
+
+def show_inspected(result: RobotFacts, robot: str | Path) -> None:
+    """Show a robot of this name or path, that it is understood, and what to do with it."""
+    show_robot(result)
+    feet = "point feet" if result.flat_feet is None else "flat feet"
+    show_facts([("fits", f"a planar biped on {feet}"), ("next", command("train", str(robot)))])
+
+
+def _robot_facts(result: RobotFacts) -> list[tuple[str, str]]:
+    """Return a robot's overall properties in words, with units."""
+    torso = "none" if result.torso is None else result.torso
+    above = "the foot's centre" if result.flat_feet is None else "the ankle"
+    facts = [
+        ("robot", f"{result.robot}, {number(result.mass_kg)} kg, torso {torso}"),
+        ("coordinates", ", ".join(result.coordinates)),
+        ("no motor", f"{result.underactuation} of {len(result.coordinates)} coordinates"),
+        ("feet", f"stance {result.stance_foot}, swing {result.swing_foot}"),
+        ("hips", f"{number(result.hip_height_m)} m above {above} on a straight leg"),
+        (
+            "floor",
+            f"friction {number(result.friction)}, gravity {number(result.gravity_m_s2)} m/s²",
+        ),
+    ]
+    if result.flat_feet is None:
+        return [*facts, ("foot radius", f"{number(result.foot_radius_m)} m")]
+    feet = result.flat_feet
+    sole = f"sole from {number(feet.heel_m)} m behind the ankle to {number(feet.toe_m)} m ahead"
+    under = f"{number(feet.ankle_height_m)} m under it, {number(feet.mass_kg)} kg"
+    return [*facts, ("flat feet", f"{sole}, {under}")]
 
 
 def _centre(place: tuple[float, float]) -> str:

@@ -47,7 +47,9 @@ def show_training(result: TrainingSummary) -> None:
         show_sentence(Text("trained", "green"), f": {sentence} on fresh samples")
     if result.certificate is not None:
         show_sentence(_proof_of_training(result.certificate))
-    facts = [(name, getattr(result, name)) for name in ("robot", "spec", "seed", "loss")]
+    facts = [(name, getattr(result, name)) for name in ("robot", "spec", "seed")]
+    if result.loss is not None:
+        facts.append(("loss", f"{number(result.loss)} on fresh samples"))
     if "speed" in result.commands:
         requested, measured = result.commands["speed"], result.orbit_speeds_m_s
         orbits = (

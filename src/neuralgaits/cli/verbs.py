@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from neuralgaits._environment import render_without_screen
@@ -186,7 +187,8 @@ def _inspect(verb: InspectOptions) -> Outcome:
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.planarise import robot_from
 
-    return Outcome(inspect(robot_from(verb.robot)), True, robot_screen.show_robot)
+    show = partial(robot_screen.show_inspected, robot=verb.robot)
+    return Outcome(inspect(robot_from(verb.robot)), True, show)
 
 
 def _robots(verb: RobotsOptions) -> Outcome:

@@ -56,8 +56,8 @@ def _state(saved: RunContents) -> Html:
     network = f"hidden layers of {widths} units" if widths else "no network"
     sentence = (
         f"A policy with {network} was trained for "
-        f"{html.number(summary.steps)} gradient steps to a loss of {html.number(summary.loss)}, "
-        f"in {html.number(summary.wall_s)} s"
+        f"{html.number(summary.steps)} gradient steps to a loss of {html.number(summary.loss)} on "
+        f"fresh samples, in {html.number(summary.wall_s)} s"
     )
     if saved.config.parent:
         sentence += f", starting from the weights of {saved.config.parent}"
