@@ -161,8 +161,8 @@ class Portrait:
 
         handles: list = [Line2D([], [], color=WALK, linewidth=3.0, label="this walk")]
         if len(self.orbit):
-            orbit = {"color": _ORBIT, "label": "periodic orbit; dotted: its reset"}
-            handles.append(Line2D([], [], linewidth=5.0, **orbit))
+            words = "periodic orbit; dotted: its reset"
+            handles.append(Line2D([], [], color=_ORBIT, linewidth=5.0, label=words))
         handles.append(Line2D([], [], color=_INK, linewidth=2.2, label="edge of the region"))
         handles.append(Line2D([], [], color=_FLOW, linewidth=0.8, marker=">", ms=4, label="flow"))
         answers = self.boxes.answer

@@ -53,7 +53,7 @@ def draw(
     axes.set_ylabel("height [m]")
     axes.set_yticks(np.arange(0.0, tall, 0.5))
     axes.set_xticks([])
-    axes.set_xlabel("poses of one step, side by side in time; lengths have the scale of the height")
+    axes.set_xlabel("time since the foot landed [s], pose by pose; lengths as on the height axis")
     for side in ("bottom", "left"):
         axes.spines[side].set_visible(False)
     return figure
