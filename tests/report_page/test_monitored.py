@@ -25,7 +25,7 @@ def page(seen: MonitorFigures | None, *, level: int = 3, proof: str = PROOF) -> 
 def test_each_set_has_a_row_with_what_was_outside_last():
     said = page(SEEN)
     for cell in (
-        *("<td>level 2</td>", "99.9 %", "−0.25, lower fence"),
+        *("<td>level 2</td>", "99.9 %", "−0.25, slow edge"),
         *("walk 2, 24.983 s: −0.01, end of the step",),
         *("<td>levels 4 and 5</td>", "100.0 %", "0.031, knee clears", "<td>none</td>"),
     ):

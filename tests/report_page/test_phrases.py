@@ -39,7 +39,20 @@ def test_every_quantity_has_words_and_a_unit():
 def test_a_barrier_says_how_fast_it_may_be_approached():
     inner = {"function": "at_most", "of": {"function": "torso_angle"}, "bound": 0.08}
     said = phrases.condition({"kind": "Barrier", "quantity": inner, "alpha": [4.0, 9.0]})
+    assert said.startswith("lean of the torso backwards ≤ 0.08 rad")
+    forwards = inner | {"function": "at_least", "bound": -0.25}
+    assert phrases.quantity(forwards) == "lean of the torso forwards ≤ 0.25 rad"
+    # A torso that must lean is bounded by its angle.
+    assert "≥ 0.1 rad" in phrases.quantity(forwards | {"bound": 0.1})
     assert "≤ 0.08 rad" in said and "at 4 or 9 per second times" in said
+
+
+def test_conditions_of_one_sentence_are_told_apart_by_their_regions():
+    described = specs.load("walking", load_robot("amber3m")).describe()["conditions"]
+    said = phrases.told_apart({one["name"]: one for one in described})
+    assert len(set(said.values())) == len(described)
+    assert said["foot-falls"].startswith("end of the step: vertical velocity")
+    assert said["guard-transversal"].startswith("at touchdown: vertical velocity")
 
 
 def test_a_users_own_condition_is_named_and_not_explained():

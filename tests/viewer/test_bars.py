@@ -14,7 +14,7 @@ def test_bars_have_the_length_of_their_margins():
     page = bars.render(["half", "full", "broken", "none", "tight"], margins)
     widths = [int(width) for width in re.findall(r"width:(\d+)%", page)]
     assert widths == [50, 100, 25, 0, 1]
-    assert [">0.50<" in page, ">-0.25<" in page, ">–<" in page] == [True] * 3
+    assert [">0.50<" in page, ">−0.25<" in page, ">–<" in page] == [True] * 3
     assert page.count(f"background:{BAD.light}") == page.count(BAD.dark) == 1
     assert page.count("opacity:.45") == 1
 

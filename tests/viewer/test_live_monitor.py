@@ -51,6 +51,7 @@ def test_shares_and_margins_are_those_of_the_monitor_of_walks(shipped, monitor, 
     assert found.name == figures.name
     # One touchdown by now, with some ticks outside around it.
     assert 0.98 < found.share < 1.0
+    assert found.away_s == 0.0
     assert found.share * TICKS == pytest.approx(round(found.share * TICKS), abs=1e-6)
 
 
@@ -71,6 +72,7 @@ def test_a_state_outside_is_said_to_be(gait):
     (found,) = gait.shown().memberships
     assert not found.inside and found.margin < 0.0 and found.name == "level-lower"
     assert 0.0 < found.share < 1.0
+    assert found.away_s > 0.02
     # A robot that has fallen is no longer counted.
     gait.push(np.array([-40.0, 0.0]))
     while gait.tick():
@@ -107,10 +109,12 @@ SEEN = SetMembership("2", True, 0.314, "level-upper", True, 0.99999)
     ("changes", "words"),
     [
         # Not all ticks were inside: no 100 %.
-        ({}, "set of level 2: yes, margin 0.31 (upper fence) · 99.9 % of ticks so far"),
-        ({"share": 1.0}, "100.0 % of ticks so far"),
+        ({}, "set of level 2: yes, margin 0.31 (fast edge) · 99.9 % of ticks so far"),
+        ({}, "so far; outside only within 5 ms of touchdowns"),
+        ({"away_s": 0.214}, "so far; outside for 0.21 s away from touchdowns"),
+        ({"share": 1.0, "away_s": 0.0}, "100.0 % of ticks so far</div>"),
         ({"levels": "4, 5", "name": "knee-clears"}, "set of levels 4 and 5: yes"),
-        ({"inside": False, "margin": -0.02}, "no, margin -0.02 (upper fence)"),
+        ({"inside": False, "margin": -0.02}, "no, margin −0.02 (fast edge)"),
         ({"inside": False, "admissible": False}, "no, it is not about this command"),
     ],
 )

@@ -75,6 +75,27 @@ def test_places_and_states_are_inverse(plane):
     np.testing.assert_array_equal(plane.clip(np.array([9.0, -9.0])), [plane.high[0], plane.low[1]])
 
 
+def test_a_state_off_the_board_is_on_none_of_its_places(plane):
+    middle = 0.5 * (plane.low + plane.high)
+    assert plane.in_view(middle) and plane.beyond(middle) is None
+    below = np.array([middle[0], plane.low[1] - 0.1])
+    trail = np.array([middle, below, [np.nan, np.nan]])
+    np.testing.assert_array_equal(plane.in_view(trail), [True, False, False])
+    assert plane.beyond(below) == "▼ below the board"
+    assert plane.beyond(plane.high + np.array([1e-3, 0.0])) == "► right of the board"
+
+
+def test_the_walk_and_the_orbit_have_the_colours_of_the_report(drawn, plane):
+    # The walk is drawn in the scene: in the picture it is in the legend alone.
+    height = len(drawn)
+    walk = np.abs(drawn[..., :3] - channels(board.WALK)).max(axis=-1) < 3
+    rows = np.flatnonzero(np.any(walk & (drawn[..., 3] > 200), axis=1))
+    assert len(rows) and rows.min() / height > 1.0 - board._CORNER[1] / 2
+    z = plane.orbit[len(plane.orbit) // 2]
+    red, green, blue = colour_at(drawn[..., :3], plane, z)
+    assert red > green > blue
+
+
 def test_a_proved_state_is_green_and_a_state_outside_is_not(shipped, plane, picture):
     chart = PlaneChart(shipped.gait, shipped.spec)
     inside = chart.z(np.array([0.3, 0.7]), np.array([0.25, 0.75]))

@@ -115,7 +115,7 @@ def forward_rate(p: Point) -> Scalar:
     return position_of(p.dz)
 
 
-@quantity("transversal inertia, at 0 of which the theory ends", "kg m")
+@quantity("transversal inertia", "kg m")
 def transversal_inertia(p: Point) -> Scalar:
     """-J . s, positive where the zero dynamics are well defined [kg m]."""
     return -p.transversal_inertia

@@ -12,8 +12,8 @@ def margin_in_words(name: str) -> str:
         "phase-start": "start of the step",
         "phase-end": "end of the step",
         "direction": "forward direction",
-        "level-lower": "lower fence",
-        "level-upper": "upper fence",
+        "level-lower": "slow edge",
+        "level-upper": "fast edge",
         "foot": "swing foot above the ground",
         "output-error": "joints near their targets",
     }

@@ -40,7 +40,7 @@ def _row(name: str, value: float, inside: bool, words: str) -> str:
         # Training aims at a margin of 0.05.
         ink = BAD if value < 0.0 else TIGHT if value < 0.05 else GOOD
         # A bar is full at one scale; a broken condition shows how far, in red.
-        width, text = 100.0 * min(abs(value), 1.0), f"{value:.2f}"
+        width, text = 100.0 * min(abs(value), 1.0), f"{value:.2f}".replace("-", "\u2212")
     place = "z is in its region" if inside else "z is outside of its region: read near it"
     hint = html.escape("; ".join(filter(None, (name, words, place))))
     # What a barrier adds to its bound, behind a semicolon, is left to the hint.

@@ -147,12 +147,14 @@ class LiveGait:
     def tick(self) -> bool:
         """Advance by one control tick. Returns: False once the robot has fallen."""
         walks = self.live.tick()
+        monitor, measured = self._monitor, self.live.measured
         if self.steps != self._pace.steps:
+            if monitor is not None:
+                monitor.touch_down()
             self._pace.touch_down(self.steps, self.live.time, float(self._sensors().base[0]))
         if (record := self.live.record) is not None:
             self._z = np.asarray(record.result.z)[0]
             self._trail.add(self._z, self.steps)
-        monitor, measured = self._monitor, self.live.measured
         if walks and monitor is not None and measured is not None:
             monitor.add(measured)
         return walks

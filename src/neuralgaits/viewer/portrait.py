@@ -10,13 +10,18 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 
-WIDTH_PX, HEIGHT_PX = 1320, 760
+WIDTH_PX, HEIGHT_PX = 1320, 850
 """Size of the picture."""
-_CORNER = np.array([0.08, 0.145])
+_CORNER = np.array([0.08, 0.235])
 """Lower left corner of the plane, as shares of the picture."""
-_SIZE = np.array([0.91, 0.75])
+_SIZE = np.array([0.91, 0.67])
 """Size of the plane, as shares of the picture."""
-_FLOW, _INK, _ORBIT, _GUARD = "#848c95", "#767d86", "#1a63b8", "#a066c4"
+WALK = "#2f7fd0"
+"""Colour of the walk; as on the report, it is blue, and the orbit is orange."""
+_FLOW, _INK, _ORBIT, _GUARD = "#848c95", "#767d86", "#d55e00", "#a066c4"
+_GREENS = ("#b5dcb8", "#7fc18c", "#3d8c57")
+"""Colours of margins, from none to the largest."""
+_UNDECIDED, _REFUTED = "#f0a040", "#d0664c"
 
 
 @dataclass(frozen=True)
@@ -65,6 +70,20 @@ class Portrait:
         """Return the nearest states in view."""
         return np.clip(z, self.low, self.high)
 
+    def in_view(self, z: Float[np.ndarray, "... 2"]) -> np.ndarray:
+        """Return whether states are on the plane that the picture shows. [...]."""
+        return np.all((z >= self.low) & (z <= self.high), axis=-1)
+
+    def beyond(self, z: Float[np.ndarray, "2"]) -> str | None:
+        """Return in words on which side a state is off the picture; None if it is in view."""
+        sides = (
+            (z[1] > self.high[1], "▲ above the board"),
+            (z[1] < self.low[1], "▼ below the board"),
+            (z[0] < self.low[0], "◄ left of the board"),
+            (z[0] > self.high[0], "► right of the board"),
+        )
+        return next((words for is_there, words in sides if is_there), None)
+
     def draw(self) -> np.ndarray:
         """Draw the picture: red, green, blue and opacity. [HEIGHT_PX, WIDTH_PX, 4]."""
         # Half a second of imports that the first frame does not wait for.
@@ -100,7 +119,8 @@ class Portrait:
         for end, style in ((0, ":"), (-1, "--")):
             axes.plot(self.fence_z1[[end, end]], self.fence_z2[:, end], style, color=_GUARD, lw=2.4)
         if len(self.orbit):
-            axes.plot(*self.orbit.T, color=_ORBIT, linewidth=2.6)
+            # Wider than the walk that is drawn over it.
+            axes.plot(*self.orbit.T, color=_ORBIT, linewidth=5.0)
             first, last = self.orbit[0], self.orbit[-1]
             axes.annotate(
                 "",
@@ -109,6 +129,7 @@ class Portrait:
                 arrowprops={"arrowstyle": "->", "color": _ORBIT, "ls": ":", "lw": 1.6},
             )
         self._label(axes)
+        self._add_legend(figure)
         canvas = FigureCanvasAgg(figure)
         canvas.draw()
         return np.array(canvas.buffer_rgba())
@@ -118,15 +139,43 @@ class Portrait:
         from matplotlib.colors import LinearSegmentedColormap, to_rgba
 
         boxes = self.boxes
-        top = float(np.max(boxes.margin[boxes.answer == BoxAnswer.PROVED], initial=1e-6))
-        greens = LinearSegmentedColormap.from_list("margin", ("#b5dcb8", "#7fc18c", "#3d8c57"))
-        colours = greens(np.clip(boxes.margin / top, 0.0, 1.0))
-        colours[boxes.answer == BoxAnswer.UNDECIDED] = to_rgba("#f0a040")
-        colours[boxes.answer == BoxAnswer.REFUTED] = to_rgba("#d0664c")
+        greens = LinearSegmentedColormap.from_list("margin", _GREENS)
+        colours = greens(np.clip(boxes.margin / self._top_margin, 0.0, 1.0))
+        colours[boxes.answer == BoxAnswer.UNDECIDED] = to_rgba(_UNDECIDED)
+        colours[boxes.answer == BoxAnswer.REFUTED] = to_rgba(_REFUTED)
         flat = boxes.drawn_last[~boxes.curved[boxes.drawn_last]]
         polygons = PolyCollection(list(boxes.corners[flat]), linewidths=0.3)
         polygons.set(facecolors=colours[flat], edgecolors=colours[flat])
         axes.add_collection(polygons)
+
+    @property
+    def _top_margin(self) -> float:
+        """Return the margin that has the darkest green [scale of its condition]."""
+        green = self.boxes.answer == BoxAnswer.PROVED
+        return float(np.max(self.boxes.margin[green], initial=1e-6))
+
+    def _add_legend(self, figure) -> None:
+        """Say below the plane what its lines and fills are."""
+        from matplotlib.lines import Line2D
+        from matplotlib.patches import Patch
+
+        handles: list = [Line2D([], [], color=WALK, linewidth=3.0, label="this walk")]
+        if len(self.orbit):
+            words = "periodic orbit; dotted: its reset"
+            handles.append(Line2D([], [], color=_ORBIT, linewidth=5.0, label=words))
+        handles.append(Line2D([], [], color=_INK, linewidth=2.2, label="edge of the region"))
+        handles.append(Line2D([], [], color=_FLOW, linewidth=0.8, marker=">", ms=4, label="flow"))
+        answers = self.boxes.answer
+        if np.any(answers == BoxAnswer.PROVED):
+            least = f"least margin, 0 (pale) to {self._top_margin:.2f} (dark)"
+            handles.append(Patch(facecolor=_GREENS[1], label=least))
+        if np.any(answers == BoxAnswer.UNDECIDED):
+            handles.append(Patch(facecolor=_UNDECIDED, label="undecided"))
+        if np.any(answers == BoxAnswer.REFUTED):
+            handles.append(Patch(facecolor=_REFUTED, label="below 0"))
+        legend = {"frameon": False, "labelcolor": _INK, "prop": {"size": 10.5, "weight": "bold"}}
+        place = {"loc": "lower center", "bbox_to_anchor": (0.5, 0.0)}
+        figure.legend(handles=handles, ncols=3, columnspacing=1.4, **place, **legend)
 
     def _label(self, axes) -> None:
         axes.set(xlim=(self.z1[0], self.z1[-1]), ylim=(self.z2[0], self.z2[-1]))

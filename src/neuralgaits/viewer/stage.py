@@ -17,7 +17,7 @@ from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.link_rods import bones
 from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
-from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
+from neuralgaits.viewer.portrait import HEIGHT_PX, WALK, WIDTH_PX, Portrait
 from neuralgaits.viewer.push_arrow import RED, PushArrow
 from neuralgaits.viewer.scenery import add_ground, lay_floor
 from neuralgaits.viewer.walker import WalkFrame
@@ -119,8 +119,12 @@ class _Board:
             receive_shadow=False,
         )
         self._line = server.scene.add_line_segments(
-            "/trail", np.zeros((1, 2, 3), dtype=np.float32), (240, 120, 40), thickness=0.007 * width
+            "/trail",
+            np.zeros((1, 2, 3), dtype=np.float32),
+            (int(WALK[1:3], 16), int(WALK[3:5], 16), int(WALK[5:7], 16)),
+            thickness=0.004 * width,
         )
+        self._beyond = server.scene.add_label("/beyond", "", visible=False)
         self._point = server.scene.add_icosphere(
             "/point", radius=0.014 * width, color=RED, cast_shadow=False, receive_shadow=False
         )
@@ -135,14 +139,25 @@ class _Board:
             clicked(event.client, portrait.state(place))
 
     def show(self, z: Float[np.ndarray, "2"], trail: Float[np.ndarray, "K 2"]) -> None:
-        """Move the point to a state, and draw the states before it."""
+        """Move the point to a state, and draw the states before it.
+
+        A state off the board has no point and no line, but a word at the board's edge.
+        """
         if np.all(np.isfinite(z)):
-            place = self._places(z)
-            self._point.position = float(place[0]), float(place[1]), float(place[2])
+            across, out, up = map(float, self._places(self._portrait.clip(z)))
+            words = self._portrait.beyond(z)
+            self._point.visible = words is None
+            self._beyond.visible = words is not None
+            if words is None:
+                self._point.position = across, out, up
+            else:
+                self._beyond.text = words
+                self._beyond.position = across, out, up
         self._count += 1
         # Lines are slow to redraw.
         if self._count % 4 == 0:
             points = self._places(trail)
+            points[~self._portrait.in_view(trail)] = np.nan
             ends = np.stack([points[:-1], points[1:]], axis=1)
             ends = ends[np.isfinite(ends).all(axis=(1, 2))]
             self._line.visible = len(ends) > 0
@@ -151,9 +166,7 @@ class _Board:
 
     def _places(self, z: Float[np.ndarray, "... 2"]) -> Float[np.ndarray, "... 3"]:
         """Return places in the scene, in front of the board, where they can be seen."""
-        across, up = np.moveaxis(
-            self._corner + self._portrait.place(self._portrait.clip(z)) * self._size, -1, 0
-        )
+        across, up = np.moveaxis(self._corner + self._portrait.place(z) * self._size, -1, 0)
         return np.stack([across, np.full_like(across, -0.004), up], axis=-1).astype(np.float32)
 
 

@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from neuralgaits.viewer.page_style import BAD, GOOD, QUIET, line
+from neuralgaits.viewer.page_style import BAD, GOOD, QUIET, TIGHT, line
 from neuralgaits.viewer.player import Picture
 
 
@@ -42,8 +42,20 @@ def walk_line(picture: Picture, shown: WalkFacts, speed: float) -> str:
         return line(ended(shown, picture.reset_in), BAD, strong=True)
     if picture.paused:
         return line(f"Paused · {facts}", QUIET)
-    slow = f" · plays at ×{picture.pace:.2f}" if picture.pace < 0.9 * speed else ""
-    return line(f"Walks · {facts}{slow}", GOOD)
+    if picture.pace < 0.9 * speed:
+        return line(f"Walks · {facts}", GOOD) + slow_line(picture.pace, speed)
+    return line(f"Walks · {facts}", GOOD)
+
+
+def slow_line(pace: float, speed: float) -> str:
+    """Return a line of HTML that says that the machine is too slow.
+
+    Args:
+        pace: playback speed that is reached, × real time.
+        speed: playback speed that was asked for, × real time.
+    """
+    wanted = "real time" if speed == 1.0 else f"×{speed:g}"
+    return line(f"Plays at ×{pace:.2f}: this machine is too slow for {wanted}", TIGHT)
 
 
 def ended(shown: WalkFacts, left: float | None) -> str:

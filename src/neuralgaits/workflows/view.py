@@ -11,7 +11,7 @@ from neuralgaits._argument_types import type_checked
 from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
-from neuralgaits.report.page.phrases import any_condition
+from neuralgaits.report.page.phrases import told_apart
 from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.viewer import live_server, markdown
@@ -62,7 +62,7 @@ class LiveView(LivePage):
 
     def _build_panel(self) -> Panel:
         config = self._run.config
-        words = {one.name: any_condition(one.data) for one in config.conditions}
+        words = told_apart({one.name: one.data for one in config.conditions})
         return Panel(
             self._server,
             self.player,

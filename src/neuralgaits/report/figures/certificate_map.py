@@ -5,7 +5,7 @@ import textwrap
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -54,13 +54,14 @@ def _proved(axes: Axes, boxes: BoxMap) -> PolyCollection:
     """Draw the proved boxes, coloured by their margins, and return them."""
     rows = boxes.drawn_last[boxes.answer[boxes.drawn_last] == BoxAnswer.PROVED]
     corners, margin, curved = boxes.corners[rows], boxes.margin[rows], boxes.curved[rows]
-    greens = LinearSegmentedColormap.from_list("margin", ["#e5f5e0", "#74c476", "#00592b"])
+    greens = LinearSegmentedColormap.from_list("margin", ["#c7e9c0", "#57b668", "#00592b"])
     polygons = PolyCollection(list(corners), array=margin, cmap=greens, edgecolors="face")
     # Thousands of boxes: a picture of them is smaller than their corners.
     polygons.set_rasterized(True)
     top = float(np.max(margin[~curved], initial=1e-6))
     # Curves (fences, guard) have no area: their edge carries the colour.
-    polygons.set(clim=(0.0, top), linewidths=np.where(curved, 3.0, 0.25))
+    # Most margins are much smaller than the largest one.
+    polygons.set(norm=PowerNorm(0.5, 0.0, top), linewidths=np.where(curved, 3.0, 0.25))
     axes.add_collection(polygons)
     line = {"facecolors": "none", "edgecolors": "#00441b30", "linewidths": 0.3}
     axes.add_collection(PolyCollection(list(corners[~curved]), **line, rasterized=True))

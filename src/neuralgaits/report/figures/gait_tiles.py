@@ -42,7 +42,7 @@ def draw(
         axes.text(
             shift + 0.5 * (low + high),
             -0.1 * tall,
-            f"{t[row] - t[0]:.2f} s\nfoot {heights[number]:.1f} cm",
+            f"{t[row] - t[0]:.2f} s\nfoot {heights[number]:.1f} cm up",
             ha="center",
             va="top",
             fontsize=9,
@@ -53,6 +53,7 @@ def draw(
     axes.set_ylabel("height [m]")
     axes.set_yticks(np.arange(0.0, tall, 0.5))
     axes.set_xticks([])
+    axes.set_xlabel("time since the foot landed [s], pose by pose; lengths as on the height axis")
     for side in ("bottom", "left"):
         axes.spines[side].set_visible(False)
     return figure

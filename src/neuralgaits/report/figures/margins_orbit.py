@@ -77,7 +77,9 @@ def _over_time(axes: Axes, data: GaitData) -> None:
     if len(t):
         axes.set_xlim(t[0], t[-1])
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncols=2)
-    axes.set(xlabel="time since the foot landed [s]", ylabel="margin [scale of the condition]")
+    is_cut = bool(np.any(margins[lines] > top))
+    name = f"margin, cut off above {top:.2g}" if is_cut else "margin"
+    axes.set(xlabel="time since the foot landed [s]", ylabel=f"{name} [scale of the condition]")
     panel(axes, "a", "along the orbit")
 
 
@@ -103,8 +105,9 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
     axes.set_xlim(min(-0.1, 1.2 * float(np.nanmin(least))), 1.12 * SHOWN)
     axes.set_ylim(-0.7, len(order) - 0.3)
     axes.set_yticks(rows, [data.conditions[i] for i in order], fontsize=8.5)
-    axes.set_xlabel("least margin [scale of the condition]")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.4, -0.1), ncols=2)
+    cut_off = "\na number is that of a bar cut off" if np.any(least > SHOWN) else ""
+    axes.set_xlabel(f"least margin [scale of the condition]{cut_off}")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.4, -0.115), ncols=2)
     panel(axes, "b", "over the whole region")
 
 

@@ -28,9 +28,10 @@ def draw(data: GaitData) -> Figure:
     least, which = finite.min(axis=0), finite.argmin(axis=0)
     figure = new_figure(4.6)
     left, right = figure.subplots(1, 2, sharey=True)
-    low, colours = float(least.min()), {}
+    # Tight states stand out from the page, roomy ones have nearly its colour.
+    low, colours = float(least.min()), {"cmap": "Blues_r"}
     if low < 0.0:
-        broken, positive = colormaps["Oranges_r"], colormaps["Blues"]
+        broken, positive = colormaps["Oranges_r"], colormaps["Blues_r"]
         both = [broken(np.linspace(0.0, 0.6, 128)), positive(np.linspace(0.0, 1.0, 128))]
         norm = TwoSlopeNorm(0.0, low, max(float(least.max()), 1e-9))
         colours = {"cmap": ListedColormap(np.vstack(both)), "norm": norm}
@@ -65,14 +66,14 @@ def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None
     handles = []
     # Fill and hatch of the conditions, the most frequent one first.
     fills = (
-        ("#dcebf7", ""),
+        ("#8db8de", ""),
         ("#f7d9a0", "///"),
         ("#b9e3d2", "..."),
         ("#f3c9b0", "\\\\\\"),
         ("#e6cfe0", "xx"),
         ("#cfcfcf", "|||"),
         ("#fff3b0", "---"),
-        ("#9ecae1", "++"),
+        ("#c3b5e3", "++"),
     )
     for number, row in enumerate(numbers[np.argsort(-counts)]):
         fill, hatch = fills[number % len(fills)]

@@ -1,5 +1,6 @@
 """Plain words for what a run is about: conditions, verdicts, levels, disturbances, terms."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -121,7 +122,7 @@ def condition(described: Mapping[str, Any]) -> str:
     if kind == "Inlet":
         return f"after touchdown the next step begins inside the {side} edge"
     if kind == "TubeWidth":
-        return f"the region is at least {number(described['least'])} of its middle wide"
+        return f"width of the region in z2 ≥ {number(described['least'])} of its mean z2"
     if kind == "Equality":
         inner = described["quantity"]
         bounded = inner.get("function") in ("at_least", "at_most")
@@ -165,6 +166,8 @@ def quantity(described: Mapping[str, Any]) -> str:
     if name == "after_reset":
         return f"after touchdown: {quantity(described['of'])}"
     if name in ("at_least", "at_most"):
+        if (lean := _lean(described)) is not None:
+            return lean
         what, unit = _words_and_unit(described["of"])
         sign = "≥" if name == "at_least" else "≤"
         return f"{what} {sign} {_numbers(described['bound'])} {unit}".rstrip()
@@ -173,6 +176,29 @@ def quantity(described: Mapping[str, Any]) -> str:
         return words_of_quantity.says(described, number)
     what, unit = _words_and_unit(described)
     return f"{what} ≥ 0 {unit}".rstrip()
+
+
+def _lean(described: Mapping[str, Any]) -> str | None:
+    """Return a bound of the torso's angle as the largest lean to one side; None for any other."""
+    bound = described["bound"]
+    if described["of"].get("function") != "torso_angle" or isinstance(bound, list):
+        return None
+    # The angle is positive backwards.
+    if described["function"] == "at_most" and bound >= 0.0:
+        return f"lean of the torso backwards ≤ {number(bound)} rad"
+    if described["function"] == "at_least" and bound <= 0.0:
+        return f"lean of the torso forwards ≤ {number(-bound)} rad"
+    return None
+
+
+def told_apart(conditions: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """Return sentences of conditions by name, the region in front where two would be the same."""
+    sentences = {name: any_condition(described) for name, described in conditions.items()}
+    counts = Counter(sentences.values())
+    for name, words in sentences.items():
+        if counts[words] > 1:
+            sentences[name] = f"{region(str(conditions[name].get('region', '')))}: {words}"
+    return sentences
 
 
 def _quantity_words(described: Mapping[str, Any]) -> QuantityWords | None:

@@ -23,6 +23,11 @@ def animation(contents: Contents) -> Html:
     picture = html.tag(
         "section",
         _pictures(),
+        html.paragraph(
+            "Chart: the green area is the region of the gait, the blue line is this walk, and a "
+            "dotted line is a touchdown.",
+            class_="quiet",
+        ),
         _controls(walk),
         html.paragraph(_walk_sentence(walk)),
         html.paragraph(differs) if (differs := _beside(walk)) else "",

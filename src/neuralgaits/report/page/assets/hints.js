@@ -15,6 +15,8 @@ function watchWidth(box) {
   box.addEventListener("scroll", look, { passive: true });
 }
 
+const narrow = window.matchMedia("(max-width: 600px)");
+
 function addEnlarge(figure) {
   const box = figure.querySelector(".scroll"), button = document.createElement("button");
   const turn = () => {
@@ -25,7 +27,9 @@ function addEnlarge(figure) {
   button.type = "button"; button.className = "enlarge";
   button.addEventListener("click", turn);
   figure.querySelector("figcaption").prepend(button);
-  turn(); turn();
+  turn();
+  // On a narrow screen its words are too small otherwise.
+  if (!narrow.matches) turn();
 }
 
 function keepWords(code) {
