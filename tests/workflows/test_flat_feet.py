@@ -52,7 +52,7 @@ def walked(run):
 def test_all_conditions_hold_on_samples_and_the_spec_is_the_one_of_flat_feet(run):
     assert not run.summary.broken
     assert run.config.spec == "walking-flat-feet"
-    assert "SOLE_CLEARANCE" in run.folder.copy("spec.py")
+    assert "old-sole-leaves" in run.folder.copy("spec.py")
 
 
 def test_proved_to_level_3_and_no_further(run):
