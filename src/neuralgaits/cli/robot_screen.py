@@ -65,10 +65,10 @@ def show_inspected(result: RobotFacts, robot: str | Path) -> None:
 
 def _robot_facts(result: RobotFacts) -> list[tuple[str, str]]:
     """Return a robot's overall properties in words, with units."""
-    torso = "none" if result.torso is None else result.torso
+    torso = "no torso" if result.torso is None else "with a torso"
     above = "the foot's centre" if result.flat_feet is None else "the ankle"
     facts = [
-        ("robot", f"{result.robot}, {number(result.mass_kg)} kg, torso {torso}"),
+        ("robot", f"{result.robot}, {number(result.mass_kg)} kg, {torso}"),
         ("coordinates", ", ".join(result.coordinates)),
         ("no motor", f"{result.underactuation} of {len(result.coordinates)} coordinates"),
         ("feet", f"stance {result.stance_foot}, swing {result.swing_foot}"),

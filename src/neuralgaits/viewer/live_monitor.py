@@ -14,7 +14,7 @@ from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.viewer.page_style import GOOD, TIGHT, line
 
 NEAR_TOUCHDOWN_S = 0.005
-"""Time around a touchdown [s]; an impact in MuJoCo's soft contact takes about 3 ms of it."""
+"""Time around a touchdown in which undisturbed walks leave the sets [s], see docs/monitor.md."""
 
 
 class SetMembership(NamedTuple):
@@ -143,5 +143,5 @@ def _words(one: SetMembership) -> str:
     if one.away_s > 0.0:
         return f"{text}; outside for {one.away_s:.2f} s away from touchdowns"
     near = 1e3 * NEAR_TOUCHDOWN_S
-    why = "an impact takes time here, and none in the proof"
+    why = "contact is soft here, and an impact sudden in the proof"
     return f"{text}; outside only within {near:.0f} ms of touchdowns ({why})"

@@ -69,13 +69,15 @@ def searched_margins(program: Program, count: int, seed: int) -> dict[str, float
         for ends in TABLE.regions[region]:
             low, high = map(np.array, ends)
             points = _points(draw, low, high, count)
-            for width in (0.1, 0.03, 0.01, 0.0):
-                values = _values(own, points)[name]
-                # A NaN stays one.
-                least[name] = float(np.minimum(least[name], values.min()))
+            values = _values(own, points)[name]
+            least[name] = float(np.minimum(least[name], values.min()))
+            for width in (0.1, 0.03, 0.01):
                 lowest = points[np.argsort(values)[:kept]]
                 steps = width * (high - low) * draw.standard_normal((neighbours, *lowest.shape))
                 points = np.clip(lowest + steps, low, high).reshape(-1, len(low))
+                values = _values(own, points)[name]
+                # A NaN stays one.
+                least[name] = float(np.minimum(least[name], values.min()))
     return least
 
 
