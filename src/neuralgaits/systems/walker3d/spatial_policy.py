@@ -147,8 +147,8 @@ class SpatialPolicy(eqx.Module):
 
 
 def _positive(x: Float[Array, ""]) -> Float[Array, ""]:
-    """Return x where it is positive, else 0, up to 5e-7: exported C has no kinks.
+    """Return x where it is positive, else 0, up to 5e-8: exported C has no kinks.
 
     A sharper bend would make torques at the ends of a step depend on the rounding of x.
     """
-    return 0.5 * (x + jnp.sqrt(x * x + 1e-12))
+    return 0.5 * (x + jnp.sqrt(x * x + 1e-14))
