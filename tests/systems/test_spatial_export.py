@@ -83,7 +83,7 @@ def test_the_tick_is_pythons_over_a_walk(run, library):
         touch = plants.landed()[0] and phase > LANDING
         plants.left ^= touch
         taken += touch
-        now = jax.tree.map(np.asarray, law(plants.measured()))
+        now = jax.tree.map(np.asarray, law(plants.measured(), np.zeros((1, 2))))
         phase = float(gait.policy.phase(now.z[0]))
         reading = reading_of(plants)
         assert library.ng_walker3d_tick(ctypes.byref(tick), ctypes.byref(reading), torques) == 0

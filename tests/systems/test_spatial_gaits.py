@@ -25,7 +25,7 @@ from neuralgaits.systems.walker3d.spatial_laws import (
 from neuralgaits.systems.walker3d.spatial_orbit import OrbitAims, SpatialOrbit
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
 from neuralgaits.systems.walker3d.spatial_pose import joints_of_pose
-from neuralgaits.systems.walker3d.spatial_start import section_scale
+from neuralgaits.systems.walker3d.spatial_start import first_guess, section_scale
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import WalkPlan, starts_of, walk
 from neuralgaits.systems.walker3d.tube_fit import gait_of
@@ -171,7 +171,8 @@ def test_torques_at_both_ends_of_a_step_lie_between_those_on_either_side(run):
 
 def test_gait_that_is_not_stable_has_no_tube(run):
     gait = run.controller
-    orbit = SpatialOrbit(gait.policy, gait.start, 0.9 * np.eye(3), 0.0)
+    numbers = first_guess(run.robot, 0.7, 0.36, 0.01, 0.33).numbers
+    orbit = SpatialOrbit(gait.policy, gait.start, 0.9 * np.eye(3), 0.0, numbers)
     with pytest.raises(NonFiniteError, match=r"multipliers of a gait below 0\.82, found 0\.9"):
         gait_of(run.robot, orbit, np.ones(3), 1.0)
 

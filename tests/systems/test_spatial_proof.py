@@ -134,8 +134,10 @@ def test_steps_stay_in_the_tube_as_its_margins_say(run, step):
     assert np.all(np.diff(sizes[:3], axis=1) < 0.0)
     landed = np.asarray(found.landed)[:, 1:] - centres[0]
     after = np.linalg.solve(axes[0], landed.T).T
-    assert gait.holds(np.asarray(found.landed)).all()
-    assert not gait.holds(gait.starts(1.1 * w[:3])).any()
+    for inside, states in ((True, np.asarray(found.landed)), (False, gait.starts(1.1 * w[:3]))):
+        distances = np.linalg.norm(gait.deviations(states)[2], axis=1)
+        assert np.all((distances <= 1.0) == inside)
+        np.testing.assert_allclose(jax.vmap(gait.distance)(jnp.asarray(states)), distances)
     assert np.all(np.linalg.norm(after, axis=1) < 1.0)
     before = np.linalg.norm(w[0] - w[3])
     assert np.linalg.norm(after[0] - after[3]) < np.exp(-RATE) * before
@@ -182,10 +184,10 @@ def test_a_search_finds_corners_that_draws_miss():
         return {name: near - (1e-3 if name == "yaw" else -1.0) for name in TABLE.conditions}
 
     program = trace(conditions, {"u": (4,)})
-    searched = searched_margins(program, 64, 0)
+    searched = searched_margins(program, 64, 0, TABLE)
     assert searched["yaw"] < 0.0
     assert all(value >= 0.99 for name, value in searched.items() if name != "yaw")
-    assert sampled_margins(program, 64, 0)["yaw"] > 0.0
+    assert sampled_margins(program, 64, 0, TABLE)["yaw"] > 0.0
 
 
 @pytest.mark.slow
@@ -198,9 +200,9 @@ def test_core_of_level_2_is_proved_and_a_wider_tube_refuted(run, program):
     tube = run.controller.tube
     wide = replace(run.controller, tube=SpatialTube(tube.centre, 2.0 * tube.axes))
     spoilt = trace_conditions(replace(run, controller=wide))
-    found = sampled_margins(spoilt, 500, 0)
+    found = sampled_margins(spoilt, 500, 0, TABLE)
     assert found["approach"] < 0.0 and found["closer"] < 0.0
-    searched = searched_margins(spoilt, 500, 0)
+    searched = searched_margins(spoilt, 500, 0, TABLE)
     assert all(searched[name] <= found[name] for name in ("approach", "closer"))
     assert min(run.summary.margins.values()) > 0.0
 

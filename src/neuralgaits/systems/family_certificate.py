@@ -56,7 +56,7 @@ def certify_family(
 
     Returns: the summary. Proof and summary are in the run's folder.
     """
-    start_time, table = time.perf_counter(), run.system.table
+    start_time, table = time.perf_counter(), run.table
     refuse_unwritable_certificate(run.path)
     program = trace_conditions(run)
     searched = _search(run, program, budget, progress)
@@ -99,7 +99,7 @@ def certify_family(
 def _search(
     run: FamilyRun, program: Program, budget: float | None, progress: SearchProgress | None
 ) -> list[Searched]:
-    problems = condition_problems(program, run.system.table, run.system.claimed)
+    problems = condition_problems(program, run.table, run.system.claimed)
     states = explore(
         problems,
         [None] * len(problems),
@@ -156,7 +156,7 @@ def _counterexample(run: FamilyRun, name: str, u: np.ndarray) -> Counterexample 
 def _level_of(run: FamilyRun, bounds: Mapping[str, float]) -> int:
     """Return the level that stated bounds reach; 0 if a condition has none."""
     system = run.system
-    if not set(system.table.conditions) <= set(bounds):
+    if not set(run.table.conditions) <= set(bounds):
         return 0
     levels = system.conclude(bounds, run.config, system.highest)
     return max((one.level for one in levels if one.proved), default=1)

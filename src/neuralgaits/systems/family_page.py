@@ -63,7 +63,7 @@ def report_family(run: FamilyRun, out: Path | None = None) -> FamilyReport:
 def _about(run: FamilyRun) -> Html:
     """Return sentences about the robot, its set and the training."""
     summary, lines = run.summary, run.system.page_lines(run)
-    names = run.system.table.conditions
+    names = run.table.conditions
     margins = [margin for name, margin in summary.margins.items() if name in names]
     if margins:
         lines.append(
@@ -86,7 +86,7 @@ def _proof(run: FamilyRun, bounds: Mapping[str, float] | None) -> Html:
         levels.append(f"level {one.level}: {one.verdict}; {sentence}")
     rows = [
         (name, region, at_least(bounds[name], 2) if name in bounds else "not stated")
-        for name, region in system.table.conditions.items()
+        for name, region in run.table.conditions.items()
     ]
     caption = "Level 1: conditions on all of their regions, with margins of at least"
     conditions = table(caption, ("condition", "where", "margin"), rows, numbers="  n")

@@ -34,12 +34,12 @@ def describe_family_run(system: ProvedSystem, run: Path) -> RunDescription:
         "model": plain(model),
         "regions": {
             name: [{"low": list(low), "high": list(high)} for low, high in boxes]
-            for name, boxes in system.table.regions.items()
+            for name, boxes in opened.table.regions.items()
         },
         "conditions": model["conditions"],
         "barriers": [],
         "carried": [],
         "told": [],
-        "chart": system.table.chart.table(),
+        "chart": opened.table.chart.table(),
         "full_order": [],
     }

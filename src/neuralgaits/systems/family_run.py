@@ -110,6 +110,11 @@ class FamilyRun:
         """Path of the run folder."""
         return self.folder.path
 
+    @property
+    def table(self) -> Any:
+        """The run's conditions, a `ConditionTable`."""
+        return self.system.table_of(self.config)
+
     @cached_property
     def summary(self) -> Any:
         """Summary of the training. Raises: RunError if it is damaged."""

@@ -17,7 +17,7 @@ def trace_conditions(run: FamilyRun) -> Program:
     system = run.system
     return trace(
         lambda u: system.margins(run, u),
-        {"u": (len(system.table.chart.state),)},
+        {"u": (run.table.chart.size,)},
         parameters=run.controller,
     )
 
@@ -34,7 +34,7 @@ def model_data(run: FamilyRun, program: Program) -> dict[str, Any]:
         "robot": {name: x.hex() for name, x in run.data.numbers().items()},
         **{owner.rpartition(".")[2]: own for owner, own in arrays.items()},
         **{name: x.hex() for name, x in numbers.items()},
-        **run.system.table.model_entries(),
+        **run.table.model_entries(),
     }
 
 

@@ -22,7 +22,7 @@ class ProvedSystem(TrainedSystem):
     """A system whose conditions are proved on boxes of a chart.
 
     Attributes:
-        table: its conditions.
+        table: its conditions, of a controller without commands.
         highest: highest level of its proofs.
         why_highest: why there is no higher one, for a person.
         about_proofs: what its proofs are about, for a person.
@@ -35,6 +35,11 @@ class ProvedSystem(TrainedSystem):
     why_highest: str
     about_proofs: str
     claimed: float = 0.4
+
+    def table_of(self, config: Any) -> ConditionTable:
+        """Return the conditions of a configuration: those of all, unless it has commands."""
+        del config
+        return self.table
 
     @abstractmethod
     def sizes(self, summary: Any) -> str:

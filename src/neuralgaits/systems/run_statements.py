@@ -41,7 +41,7 @@ def stated_bounds(run: FamilyRun, program: Program | None = None) -> dict[str, f
     program = trace_conditions(run) if program is None else program
     try:
         claims = read_claims(run.path / PROOF)
-        if claims.outline is None or not run.system.table.is_that_of(claims):
+        if claims.outline is None or not run.table.is_that_of(claims):
             return None
         if claims.program_hash != program.hash or claims.model != plain(model_data(run, program)):
             return None
@@ -51,4 +51,4 @@ def stated_bounds(run: FamilyRun, program: Program | None = None) -> dict[str, f
             return None
     except InputError:
         return None
-    return run.system.table.stated_bounds(claims)
+    return run.table.stated_bounds(claims)

@@ -118,7 +118,8 @@ class TracedController:
 
     def __init__(self, run: FamilyRun):
         """Take the law of a run, which compiles at the first tick."""
-        self._law, self._policy = law_of_gait(run.data, run.controller, "pd"), run.controller.policy
+        gait = run.controller.typical
+        self._law, self._policy = law_of_gait(run.data, gait, "pd"), gait.policy
         self.start()
 
     def start(self) -> None:
@@ -130,7 +131,7 @@ class TracedController:
         swing = plants.touching(0)[0 if self._left else 1]
         self._left ^= bool(swing and self._phase > LANDING)
         plants.left[:] = self._left
-        demand: Any = jax.tree.map(np.asarray, self._law(plants.measured()))
+        demand: Any = jax.tree.map(np.asarray, self._law(plants.measured(), np.zeros((1, 2))))
         self._phase = float(self._policy.phase(demand.z[0]))
         torques = demand.torques[0]
         own = SIGNS[2:] * torques[SWAPPED[2:] - 2] if self._left else torques

@@ -98,7 +98,7 @@ class SpatialLive:
     def __init__(self, run: FamilyRun):
         """Put the robot into the tube's middle, where it stands until it has a controller."""
         self.run = run
-        gait = run.controller
+        self._gait = gait = run.controller.typical
         self.plants = SpatialPlants.started(run.data, gait, gait.starts(np.zeros((1, 3))))
         self._first = self._world.qpos.copy(), self._world.qvel.copy()
         self._controller: LiveController | None = None
@@ -276,7 +276,7 @@ class SpatialLive:
         if not self._pending:
             return
         states, self._pending = np.array(self._pending), []
-        phases, off, w = self.run.controller.deviations(states)
+        phases, off, w = self._gait.deviations(states)
         distance = np.linalg.norm(w, axis=1)
         self._inside += int(np.count_nonzero(distance <= 1.0))
         rows = np.column_stack([phases, off, distance])

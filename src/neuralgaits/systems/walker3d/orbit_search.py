@@ -6,6 +6,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.flatten_util import ravel_pytree
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Float
@@ -39,6 +40,7 @@ def find_orbit(
     aims: OrbitAims,
     iterations: int = 250,
     progress: Callable[[int, float], None] | None = None,
+    near: SpatialOrbit | None = None,
 ) -> SpatialOrbit:
     """Find a periodic gait.
 
@@ -47,12 +49,15 @@ def find_orbit(
         aims: properties of the gait that are aimed at.
         iterations: largest number of iterations.
         progress: called after each of them with its number and the cost.
+        near: orbit from which the search starts; the first guess if None.
 
     Raises: NonFiniteError if the first guess is no gait of the robot, or none has a period.
     """
     guess = first_guess(robot, aims.speed, aims.duration, aims.side, aims.lateral)
     problem = OrbitProblem(robot, guess, aims)
     numbers, restored = problem.parts()
+    if near is not None:
+        numbers = np.asarray(ravel_pytree((near.numbers, near.start))[0])
     rows = quick_jit(jax.vmap(lambda row: problem.residuals(*restored(row))))
 
     def evaluated(point: Float[np.ndarray, " p"]) -> _Iterate:
@@ -78,10 +83,10 @@ def find_orbit(
             progress(count + 1, best.cost)
         if gain < least_gain * best.cost:
             break
-    policy, start = restored(jnp.asarray(best.numbers))
-    policy = jax.tree.map(np.asarray, policy)
-    start, section = exact_period(robot, policy, np.asarray(start), problem.scale)
-    return SpatialOrbit(policy, start, section, best.cost)
+    found, start = jax.tree.map(np.asarray, restored(best.numbers))
+    policy = jax.tree.map(np.asarray, problem.policy(found))
+    start, section = exact_period(robot, policy, start, problem.scale)
+    return SpatialOrbit(policy, start, section, best.cost, found)
 
 
 def _moved(

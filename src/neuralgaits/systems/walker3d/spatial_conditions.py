@@ -12,11 +12,11 @@ import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.systems.walker3d.spatial_dynamics import Flow, Loads, flow, loads
-from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
+from neuralgaits.systems.walker3d.spatial_gait import AbstractSpatialGait, SpatialGait, StepStart
 from neuralgaits.systems.walker3d.spatial_impact import impact, reset
 from neuralgaits.systems.walker3d.spatial_levels import RATE
 from neuralgaits.systems.walker3d.spatial_pose import Links, SpatialPose, cross
-from neuralgaits.systems.walker3d.spatial_tube import TubeSection, in_ball
+from neuralgaits.systems.walker3d.spatial_tube import SlopedSection, TubeSection, in_ball
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 
@@ -44,34 +44,35 @@ LIMITS = Limits()
 
 
 def spatial_margins(
-    robot: SpatialWalker, gait: SpatialGait, u: Float[Array, "4"]
+    robot: SpatialWalker, gait: AbstractSpatialGait, u: Float[Array, " n"]
 ) -> Mapping[str, Array]:
-    """Return the margins at a point (phase, cube) of the chart, by condition."""
-    t, w = u[0], in_ball(u[1:])
-    here, start = gait.tube.section(t), gait.tube.section(jnp.zeros_like(t))
-    now, needed = loads(robot, gait.policy, gait.state(t, here.states(w)))
-    begin, end, middle = gait.policy.lift
+    """Return the margins at a point (phase, cube, commands) of the chart, by condition."""
+    step, following = gait.told(u[4:])
+    t, w = u[0], in_ball(u[1:4])
+    here, start = step.tube.section(t), step.tube.section(jnp.zeros_like(t))
+    now, needed = loads(robot, step.policy, step.state(t, here.states(w)))
+    begin, end, middle = step.policy.lift
     lift = begin * (1.0 - t) - end * t + 16.0 * middle * t * (1.0 - t)
     return {
-        "inward": -(w @ here.inside(slope_by_phase(gait, now) - _moved(here, w))),
+        "inward": -(w @ here.inside(slope_by_phase(step, now) - _moved(here, w))),
         "forward": now.rates[0] - LIMITS.forward,
         "chart": here.volume / start.volume - LIMITS.volume,
         "clearance": lift - LIMITS.lift,
         **_force_margins(robot, needed),
         "range": joint_ranges(robot, now.pose, now.links),
-        **_touchdown_margins(robot, gait, now, here.states(w), start),
-        **_contraction_margins(robot, gait, t, w),
+        **_touchdown_margins(robot, step, now, here.states(w), following),
+        **_contraction_margins(robot, step, following.section, t, w),
     }
 
 
-def _moved(here: TubeSection, w: Float[Array, "3"]) -> Float[Array, "3"]:
+def _moved(here: SlopedSection, w: Float[Array, "3"]) -> Float[Array, "3"]:
     """Return the derivative of (y, L_y, n) by phase that keeps a point of the ball."""
     return here.centre_slope + here.axes_slope @ w
 
 
-def slope_by_phase(gait: SpatialGait, now: Flow) -> Float[Array, "3"]:
+def slope_by_phase(step: SpatialGait, now: Flow) -> Float[Array, "3"]:
     """Return the derivative of (y, L_y, n) by phase along the flow."""
-    return now.rates[1:] / now.rates[0] * (gait.policy.ends[1] - gait.policy.ends[0])
+    return now.rates[1:] / now.rates[0] * (step.policy.ends[1] - step.policy.ends[0])
 
 
 def _force_margins(robot: SpatialWalker, needed: Loads) -> dict[str, Array]:
@@ -114,20 +115,21 @@ def joint_ranges(robot: SpatialWalker, pose: SpatialPose, links: Links) -> Float
 
 def _touchdown_margins(
     robot: SpatialWalker,
-    gait: SpatialGait,
+    step: SpatialGait,
     now: Flow,
     before: Float[Array, "3"],
-    start: TubeSection,
+    following: StepStart,
 ) -> dict[str, Array]:
     """Return the margins of a touchdown from a state with this flow."""
     landed = reset(robot, now.pose, now.links, now.motion)
     struck = impact(robot, now.pose, now.motion, now.joints)
-    w = start.inside(landed[1:] - start.centre)
+    section = following.section
+    w = section.inside(landed[1:] - section.centre)
     # Impulses over the mass: velocities [m/s], in units of 0.1 m/s.
     ahead, aside, normal = 10.0 * struck.impulse / robot.mass
     bound = robot.friction * normal
-    down = -gait.policy.lift[1] * now.rates[0] / (gait.policy.ends[1] - gait.policy.ends[0])
-    missed = (gait.policy(landed).aside - before[0]) / LIMITS.miss
+    down = -step.policy.lift[1] * now.rates[0] / (step.policy.ends[1] - step.policy.ends[0])
+    missed = (following.aside @ step.policy.inputs(landed) - before[0]) / LIMITS.miss
     return {
         "inlet": 1.0 - w @ w,
         "touchdown": down - LIMITS.down,
@@ -138,24 +140,29 @@ def _touchdown_margins(
 
 
 def _contraction_margins(
-    robot: SpatialWalker, gait: SpatialGait, t: Float[Array, ""], w: Float[Array, "3"]
+    robot: SpatialWalker,
+    step: SpatialGait,
+    following: TubeSection,
+    t: Float[Array, ""],
+    w: Float[Array, "3"],
 ) -> dict[str, Array]:
     """Return numbers that are positive only if two matrices are positive definite.
 
     With B = R^-1 (ds'/ds R - R'), s' the derivative of s = (y, L_y, n) by phase, a deviation R d
-    has d' = B d: - (B + B^T) / 2 - RATE. With a touchdown's D = R(0)^-1 ds+/ds R: 1 - D^T D.
-    The former is nearly diagonal, as R follows the linearised flow; the latter is not.
+    has d' = B d: - (B + B^T) / 2 - RATE. With a touchdown's D = R+^-1 ds+/ds R, R+ of the section
+    where the next step starts: 1 - D^T D. The former is nearly diagonal, as R follows the
+    linearised flow; the latter is not.
     """
-    here, start = gait.tube.section(t), gait.tube.section(jnp.zeros_like(t))
+    here = step.tube.section(t)
 
     def both(state: Float[Array, "3"]) -> tuple[Array, Array]:
-        now = flow(robot, gait.policy, gait.state(t, state))
-        return slope_by_phase(gait, now), reset(robot, now.pose, now.links, now.motion)[1:]
+        now = flow(robot, step.policy, step.state(t, state))
+        return slope_by_phase(step, now), reset(robot, now.pose, now.links, now.motion)[1:]
 
     _, push = jax.linearize(both, here.states(w))
     slopes, landed = jax.vmap(push)(here.axes.T)
     across = here.inside(slopes - here.axes_slope.T)
-    after = start.inside(landed)
+    after = following.inside(landed)
     unit = np.eye(3)
     return {
         "closer": _dominance(-0.5 * (across + across.T) - RATE * unit),

@@ -33,7 +33,9 @@ ABOUT = """State: roll and pitch of the torso, then hip roll, hip pitch and knee
 
 def header_of(run: FamilyRun) -> ControllerHeader:
     """Return names and numbers of the exported controller."""
-    robot, policy = run.robot, run.controller.policy
+    robot, policy = run.robot, run.controller.typical.policy
+    command = run.controller.command
+    speed = f", always told {command.middle:g} m/s" if command else ""
     roll, pitch, knee = (float(limit) for limit in robot.torque_limits)
     constants = {
         "PERIOD": (TICK_S, "s, from tick to tick"),
@@ -50,7 +52,7 @@ def header_of(run: FamilyRun) -> ControllerHeader:
     return ControllerHeader(
         file="walker3d",
         function="ng_walker3d_law",
-        title=f"the biped {run.config.robot}",
+        title=f"the biped {run.config.robot}{speed}",
         about=ABOUT,
         advice="Call ng_walker3d_tick of walker3d_tick.h",
         constants=constants,
@@ -63,8 +65,9 @@ def header_of(run: FamilyRun) -> ControllerHeader:
 
 def law_of(run: FamilyRun) -> Callable[[Float[Array, "20"]], dict[str, Array]]:
     """Return the function that is written in C."""
-    robot, policy = run.robot, run.controller.policy
-    gains = joint_gains(robot, policy, run.controller.start)
+    robot, gait = run.robot, run.controller.typical
+    policy = gait.policy
+    gains = joint_gains(robot, policy, gait.start)
 
     def law(state: Float[Array, "20"]) -> dict[str, Array]:
         joints, rates, velocity = state[:8], state[8:16], state[16:19]
@@ -80,7 +83,7 @@ def random_states(run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "c
     """Return states near those of the tube, every second one without a measured velocity."""
     draw = np.random.default_rng(seed)
     robot = run.robot
-    gait = run.controller
+    gait = run.controller.typical
 
     def full(u: Float[Array, "4"]) -> Float[Array, "19"]:
         z = gait.state(u[0], gait.tube.section(u[0]).states(in_ball(u[1:])))

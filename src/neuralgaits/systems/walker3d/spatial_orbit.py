@@ -18,7 +18,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.systems.walker3d.spatial_dynamics import flow, loads
 from neuralgaits.systems.walker3d.spatial_impact import impact
 from neuralgaits.systems.walker3d.spatial_motion import jacobians_of
-from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy
+from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy, StepNumbers, step_between
 from neuralgaits.systems.walker3d.spatial_start import FirstGuess, section_scale
 from neuralgaits.systems.walker3d.spatial_step import PHASES, SpatialStep, step_from
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
@@ -88,12 +88,14 @@ class SpatialOrbit(NamedTuple):
         start: (y, L_y, n) where a step starts. [3]
         section: derivatives of the start of the next step, in scaled coordinates. [3, 3]
         cost: sum of the squared residuals.
+        numbers: of its steps.
     """
 
     policy: SpatialPolicy
     start: Float[np.ndarray, "3"]
     section: Float[np.ndarray, "3 3"]
     cost: float
+    numbers: StepNumbers
 
 
 @dataclass(frozen=True)
@@ -107,26 +109,21 @@ class OrbitProblem:
     @property
     def scale(self) -> Float[np.ndarray, "3"]:
         """Size of a deviation of (y, L_y, n) where a step starts."""
-        return section_scale(self.robot, self.guess.policy.pendulum)
+        return section_scale(self.robot, self.guess.pendulum)
 
     def parts(self) -> tuple[Float[np.ndarray, " p"], Callable[[Any], Any]]:
-        """Return the numbers to be found, and the function back to policy and start."""
-        policy = self.guess.policy
-        fixed = (policy.centre, policy.pendulum)
-        moving = tuple(
-            getattr(policy, name)
-            for name in ("ends", "pitch", "height", "ahead", "lift", "start", "landing", "sway")
-        )
-        numbers, back = ravel_pytree((moving, self.guess.start))
+        """Return the numbers to be found, and the function back to a step's numbers and start."""
+        numbers, back = ravel_pytree((self.guess.numbers, self.guess.start))
+        return np.asarray(numbers), lambda row: back(jnp.asarray(row))
 
-        def restored(row: Array) -> tuple[SpatialPolicy, Array]:
-            own, start = back(jnp.asarray(row))
-            return SpatialPolicy(*own, *fixed), start  # pyright: ignore[reportCallIssue]
+    def policy(self, numbers: StepNumbers) -> SpatialPolicy:
+        """Return the policy of steps with these numbers."""
+        guess = self.guess
+        return step_between(numbers, numbers, numbers.bumps, guess.centre, guess.pendulum)
 
-        return np.asarray(numbers), restored
-
-    def residuals(self, policy: SpatialPolicy, start: Array) -> Array:
+    def residuals(self, numbers: StepNumbers, start: Array) -> Array:
         """Return what must vanish on the orbit: of return map, touchdown and way, in this order."""
+        policy = self.policy(numbers)
         around = NEIGHBOURS * np.diag(self.scale)
         near = jnp.asarray(np.vstack([np.zeros(3), around, -around]))
         steps = jax.vmap(lambda one: step_from(self.robot, policy, one))(start[None] + near)
@@ -208,9 +205,9 @@ class OrbitProblem:
                 100.0 * _above(legs, longest).ravel(),
                 0.15 * (slopes * size[None]).ravel(),
                 10.0 * (policy.lift[2:] - 2.0 * aims.clearance),
-                0.3 * (policy.landing[1:] - self.guess.policy.landing[1:]),
+                0.3 * (policy.landing[1:] - self.guess.numbers.landing[1:]),
                 policy.sway,
-                10.0 * (policy.height[:1] - self.guess.policy.height[:1]),
+                10.0 * (policy.height[:1] - self.guess.numbers.height[:1]),
             ]
         )
 

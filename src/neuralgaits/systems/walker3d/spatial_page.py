@@ -45,12 +45,14 @@ class SpatialPage(LivePage):
             self.player = Player(self.robot, self._show)
             self._stage = SpatialStage(self._server, run.data)
             self._stage.show(self.robot.shown())
-            title = f"**{markdown.text(run.config.robot)}**, seed {run.config.seed}, law `pd`"
+            command = run.config.command
+            told = "" if command is None else f", always told {command.middle:g} m/s"
+            title = f"**{markdown.text(run.config.robot)}**, seed {run.config.seed}, law `pd`{told}"
             self._panel = SpatialPanel(
                 self._server,
                 self.player,
                 self._stage,
-                run.controller,
+                run.controller.typical,
                 self.robot.settings,
                 title,
             )
@@ -89,7 +91,7 @@ def proof_in_words(run: FamilyRun) -> StatedProof:
         return StatedProof("nothing of this gait.", f"{words}\n\n{NOT_COVERED}", False)
     levels = system.conclude(bounds, run.config, system.highest)
     proved = [one for one in levels if one.proved]
-    names = [name for name in system.table.conditions if name in bounds]
+    names = [name for name in run.table.conditions if name in bounds]
     highest = max((one.level for one in proved), default=1)
     first = proved[0].words[0] if proved else f"{len(names)} conditions hold on their regions"
     check = markdown.code(command("check-proof", named(run.path), "--run", named(run.path)))

@@ -56,8 +56,8 @@ class Pendulum(eqx.Module):
         return jnp.stack([energy, (middle + across) * falling, (middle - across) * growing])
 
 
-class SpatialPolicy(eqx.Module):
-    """Numbers of the policy. Slopes are per unit of phase.
+class StepNumbers(eqx.Module):
+    """Numbers of steps that follow each other at one speed. Slopes are per unit of phase.
 
     Attributes:
         ends: x0 and xG, the stance hip's place when a step starts and ends [m]. [2]
@@ -66,14 +66,40 @@ class SpatialPolicy(eqx.Module):
         lift: slopes at start and end, bump [m]; it is 0 at both ends. [3]
         start, landing: aside at start and end of a step, for (1, invariants) [m]. [4]
         sway: slopes of aside at start and end [m]. [2]
-        centre: of the invariants. [3]
-        pendulum: whose invariants they are.
     """
 
     ends: Float[Array, "2"]
     pitch: Float[Array, "4"]
     height: Float[Array, "4"]
     ahead: Float[Array, "3"]
+    lift: Float[Array, "3"]
+    start: Float[Array, "4"]
+    landing: Float[Array, "4"]
+    sway: Float[Array, "2"]
+
+    @property
+    def bumps(self) -> Float[Array, "4"]:
+        """Bumps of pitch, height, ahead and lift."""
+        return jnp.stack([self.pitch[3], self.height[3], self.ahead[2], self.lift[2]])
+
+
+class SpatialPolicy(eqx.Module):
+    """The policy of one step. Slopes are per unit of phase.
+
+    Attributes:
+        ends: x0 and xG, the stance hip's place when the step starts and ends [m]. [2]
+        pitch, height, ahead: values at start and end, slopes there, bump [rad], [m], [m]. [5]
+        lift: slopes at start and end, bump [m]; it is 0 at both ends. [3]
+        start, landing: aside at start and end of the step, for (1, invariants) [m]. [4]
+        sway: slopes of aside at start and end [m]. [2]
+        centre: of the invariants. [3]
+        pendulum: whose invariants they are.
+    """
+
+    ends: Float[Array, "2"]
+    pitch: Float[Array, "5"]
+    height: Float[Array, "5"]
+    ahead: Float[Array, "5"]
     lift: Float[Array, "3"]
     start: Float[Array, "4"]
     landing: Float[Array, "4"]
@@ -87,7 +113,7 @@ class SpatialPolicy(eqx.Module):
 
     def __call__(self, z: SpatialState) -> Outputs:
         """Return the outputs of a state."""
-        return self._outputs(self.phase(z), self._inputs(z))
+        return self._outputs(self.phase(z), self.inputs(z))
 
     def beyond(self, z: SpatialState) -> Outputs:
         """Return the outputs of a state, and where the floor is late those that go on to meet it.
@@ -101,13 +127,13 @@ class SpatialPolicy(eqx.Module):
         """
         t = self.phase(z)
         late, early = _positive(t - 1.0), -_positive(-t)
-        within = self._outputs(t - late - early, self._inputs(z))
+        within = self._outputs(t - late - early, self.inputs(z))
         settling = REST_PHASES * (1.0 - jnp.exp(-late / REST_PHASES))
         settled = -REST_PHASES * (1.0 - jnp.exp(early / REST_PHASES))
         return Outputs(
-            pitch=within.pitch + self.pitch[2] * settling + self.pitch[1] * early,
-            height=within.height + self.height[2] * settling + self.height[1] * early,
-            ahead=within.ahead + self.ahead[1] * settling + self.ahead[0] * early,
+            pitch=within.pitch + self.pitch[3] * settling + self.pitch[2] * early,
+            height=within.height + self.height[3] * settling + self.height[2] * early,
+            ahead=within.ahead + self.ahead[3] * settling + self.ahead[2] * early,
             aside=within.aside + self.sway[1] * settling + self.sway[0] * early,
             lift=(
                 within.lift
@@ -117,7 +143,8 @@ class SpatialPolicy(eqx.Module):
             ),
         )
 
-    def _inputs(self, z: SpatialState) -> Float[Array, "4"]:
+    def inputs(self, z: SpatialState) -> Float[Array, "4"]:
+        """Return 1 and the invariants, about their centre and in their sizes."""
         return jnp.append(1.0, (self.pendulum.invariants(z) - self.centre) / INPUT_SCALE)
 
     def _outputs(self, t: Float[Array, ""], inputs: Float[Array, "4"]) -> Outputs:
@@ -125,25 +152,58 @@ class SpatialPolicy(eqx.Module):
         first, last = t * rest * rest, -t * t * rest
         bump, blend = 16.0 * t * t * rest * rest, t * t * (3.0 - 2.0 * t)
 
-        def closed(numbers: Float[Array, "4"]) -> Array:
-            value, begin, end, middle = numbers
-            return value + begin * first + end * last + middle * bump
-
-        def open_ended(at_start: Array, at_end: Array, numbers: Float[Array, "3"]) -> Array:
+        def path(at_start: Array, at_end: Array, numbers: Float[Array, "3"]) -> Array:
             begin, end, middle = numbers
             way = at_start + (at_end - at_start) * blend
             return way + begin * first + end * last + middle * bump
 
         zero = jnp.zeros_like(t)
         return Outputs(
-            pitch=closed(self.pitch),
-            height=closed(self.height),
-            ahead=open_ended(-self.ends[1], -self.ends[0], self.ahead),
-            aside=open_ended(
-                self.start @ inputs, self.landing @ inputs, jnp.append(self.sway, 0.0)
-            ),
-            lift=open_ended(zero, zero, self.lift),
+            pitch=path(self.pitch[0], self.pitch[1], self.pitch[2:]),
+            height=path(self.height[0], self.height[1], self.height[2:]),
+            ahead=path(self.ahead[0], self.ahead[1], self.ahead[2:]),
+            aside=path(self.start @ inputs, self.landing @ inputs, jnp.append(self.sway, 0.0)),
+            lift=path(zero, zero, self.lift),
         )
+
+
+def step_between(
+    first: StepNumbers,
+    last: StepNumbers,
+    bumps: Float[Array, "4"],
+    centre: Float[Array, "3"],
+    pendulum: Pendulum,
+) -> SpatialPolicy:
+    """Return the policy of a step that begins as steps at one speed do and ends as at another.
+
+    Where it begins and ends, and its slopes there, are those of the two speeds, so that each step
+    begins where the touchdown before it led to, whatever speed comes next.
+
+    Args:
+        first: numbers of the speed that the step before was told.
+        last: numbers of the speed that this step is told.
+        bumps: see `StepNumbers.bumps`.
+        centre: of the invariants.
+        pendulum: whose invariants they are.
+    """
+    pitch, height, ahead, lift = bumps
+
+    def closed(begin: Array, end: Array, bump: Array) -> Array:
+        """Join numbers of two speeds that each have one value for both ends."""
+        return jnp.stack([begin[0], end[0], begin[1], end[2], bump])
+
+    return SpatialPolicy(
+        ends=jnp.stack([first.ends[0], last.ends[1]]),
+        pitch=closed(first.pitch, last.pitch, pitch),
+        height=closed(first.height, last.height, height),
+        ahead=jnp.stack([-first.ends[1], -last.ends[0], first.ahead[0], last.ahead[1], ahead]),
+        lift=jnp.stack([first.lift[0], last.lift[1], lift]),
+        start=first.start,
+        landing=last.landing,
+        sway=jnp.stack([first.sway[0], last.sway[1]]),
+        centre=centre,
+        pendulum=pendulum,
+    )
 
 
 def _positive(x: Float[Array, ""]) -> Float[Array, ""]:

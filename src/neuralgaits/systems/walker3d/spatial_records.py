@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from neuralgaits.gait.commands import Command
 from neuralgaits.records.record import Record
-from neuralgaits.runs.shape import POSITIVE, may
+from neuralgaits.runs.shape import POSITIVE, list_of, may
 from neuralgaits.systems.family_run import FamilyConfig, TrainedSummary
+from neuralgaits.systems.walker3d.spatial_levels import SPEED
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +42,19 @@ class SpatialConfig(FamilyConfig):
 
     Attributes:
         aimed_speed_m_s: speed that was asked for; None for one that goes with the legs' length.
+        speeds_m_s: lowest and highest speed of a gait that is told one at each touchdown, and the
+            largest change from one step to the next; None for a gait that takes no commands.
     """
 
     family: Literal["walker3d"] = "walker3d"
     spec: Literal["periodic"] = "periodic"
     aimed_speed_m_s: Annotated[float | None, may(POSITIVE)] = None
+    speeds_m_s: Annotated[tuple[float, float, float] | None, may(list_of(POSITIVE, 3, 3))] = None
+
+    @property
+    def command(self) -> Command | None:
+        """The command that each touchdown brings; None for a gait that takes none."""
+        return None if self.speeds_m_s is None else Command(SPEED, *self.speeds_m_s)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.systems.walker3d.spatial_policy import INPUT_SCALE, Pendulum, SpatialPolicy
+from neuralgaits.systems.walker3d.spatial_policy import INPUT_SCALE, Pendulum, StepNumbers
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 
@@ -14,11 +14,15 @@ class FirstGuess(NamedTuple):
     """Where the search for a gait starts.
 
     Attributes:
-        policy: outputs of a state.
+        numbers: of its steps.
+        centre: of the invariants. [3]
+        pendulum: whose invariants they are.
         start: (y, L_y, n) where a step starts. [3]
     """
 
-    policy: SpatialPolicy
+    numbers: StepNumbers
+    centre: Float[np.ndarray, "3"]
+    pendulum: Pendulum
     start: Float[np.ndarray, "3"]
 
 
@@ -75,7 +79,7 @@ def first_guess(
         other = fast / rate * 2.0 - size
         return np.array([side, 0.0, gains[0] * up / other, gains[1] * down / size])
 
-    policy = SpatialPolicy(
+    numbers = StepNumbers(
         ends=np.array([-reach, reach]),
         pitch=np.array([0.05, 0.0, 0.0, 0.0]),
         height=np.array([height, 0.0, 0.0, 0.0]),
@@ -84,7 +88,5 @@ def first_guess(
         start=weights(before, growing[0]),
         landing=weights(landing, growing[1]),
         sway=np.zeros(2),
-        centre=centres,
-        pendulum=pendulum,
     )
-    return FirstGuess(policy, start)
+    return FirstGuess(numbers, centres, pendulum, start)

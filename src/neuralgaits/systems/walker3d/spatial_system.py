@@ -9,9 +9,12 @@ from matplotlib.figure import Figure
 from typing_extensions import override
 
 from neuralgaits._types import Array, Float
+from neuralgaits.certificate.chart import Axis
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.settings.forms import Interval
+from neuralgaits.simulation.setup.command_schedule import schedule_of
+from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.controller_header import ControllerHeader
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.proof_model import trace_conditions
@@ -28,8 +31,13 @@ from neuralgaits.systems.walker3d.spatial_figures import (
     draw_slices,
     draw_step,
 )
-from neuralgaits.systems.walker3d.spatial_gait import SpatialGait, empty_gait
-from neuralgaits.systems.walker3d.spatial_levels import TABLE, conclude
+from neuralgaits.systems.walker3d.spatial_gait import AbstractSpatialGait, empty_gait
+from neuralgaits.systems.walker3d.spatial_levels import (
+    TABLE,
+    conclude,
+    table_with,
+    told_speeds,
+)
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot, read_spatial
 from neuralgaits.systems.walker3d.spatial_orbit import OrbitAims
 from neuralgaits.systems.walker3d.spatial_records import SpatialConfig, SpatialFacts, SpatialTrained
@@ -45,6 +53,8 @@ from neuralgaits.systems.walker3d.spatial_walks import (
     simulate_walks,
     starts_of,
 )
+from neuralgaits.systems.walker3d.speed_fit import widest_speed_gait
+from neuralgaits.systems.walker3d.speed_gait import empty_speed_gait
 from neuralgaits.systems.walker3d.tube_fit import widest_gait
 from neuralgaits.systems.walker3d.tube_samples import needs_in_tube, sampled_margins
 
@@ -114,32 +124,36 @@ class SpatialSystem(ExportedSystem):
 
         Raises: InputError on bad settings.
         """
-        if isinstance(speed, tuple):
-            raise InputError(
-                "speed: expected one speed for a walker in three dimensions, found a range: its "
-                "gaits take no commands, write --speed 0.6"
-            )
-        if speed is not None and not 0.0 < speed < 3.0:
-            raise InputError(
-                f"speed: expected more than 0 and less than 3 m/s, found {speed:g}: write --speed "
-                "0.6"
-            )
+        ends = speed if isinstance(speed, tuple) else (speed, speed)
+        for end in ends:
+            if end is not None and not 0.0 < end < 3.0:
+                raise InputError(
+                    f"speed: expected more than 0 and less than 3 m/s, found {end:g}: write "
+                    "--speed 0.6"
+                )
+        told = _told(*speed) if isinstance(speed, tuple) else None
         return SpatialConfig(
             robot="",
             seed=seed,
             steps=self.steps if steps is None else steps,
-            aimed_speed_m_s=speed,
+            aimed_speed_m_s=None if isinstance(speed, tuple) else speed,
+            speeds_m_s=told,
         )
 
     @override
-    def untrained(self, config: Any) -> SpatialGait:
-        del config
-        return empty_gait()
+    def untrained(self, config: Any) -> AbstractSpatialGait:
+        return empty_gait() if config.command is None else empty_speed_gait(config.command)
 
-    def refuse_controller(self, controller: SpatialGait, file: Path) -> None:
+    @override
+    def table_of(self, config: SpatialConfig) -> ConditionTable:
+        command = config.command
+        return TABLE if command is None else table_with([Axis(*one) for one in command.axes])
+
+    def refuse_controller(self, controller: AbstractSpatialGait, file: Path) -> None:
         """Refuse arrays that no training leaves. Raises: RunError naming their file."""
-        begin, end = controller.policy.ends
-        _, axes = controller.tube.sections(np.zeros(1))
+        gait = controller.typical
+        begin, end = gait.policy.ends
+        _, axes = gait.tube.sections(np.zeros(1))
         if not begin < 0.0 < end or not np.linalg.det(axes[0]) > 0.0:
             raise RunError(
                 f"expected a step from behind to ahead of the foot and a tube with a volume in "
@@ -148,15 +162,18 @@ class SpatialSystem(ExportedSystem):
 
     def train(
         self, robot: SpatialWalker, config: SpatialConfig, progress: TrainingProgress | None
-    ) -> SpatialGait:
-        """Find a periodic gait, and the tube about its orbit."""
+    ) -> AbstractSpatialGait:
+        """Find a periodic gait, or one for each speed of a range, and the tube of its steps."""
+        if (command := config.command) is not None:
+            table = self.table_of(config)
+            return widest_speed_gait(robot, command, table, config.steps, progress)
         aims = OrbitAims.of(robot, config.aimed_speed_m_s)
         orbit = find_orbit(robot, aims, config.steps, progress)
         return widest_gait(robot, orbit)
 
     def measured(self, run: FamilyRun) -> dict[str, Any]:
         """Return margins at random points of the tube, and figures of the orbit."""
-        robot, gait = run.robot, run.controller
+        robot, gait = run.robot, run.controller.typical
         scale = section_scale(robot, gait.policy.pendulum)
         _, section = exact_period(robot, gait.policy, gait.start, scale)
         duration = step_of_orbit(robot, gait.policy, gait.start)
@@ -166,13 +183,13 @@ class SpatialSystem(ExportedSystem):
         count = 2**15  # In each region.
         seed = 2**31  # No run can have it.
         return {
-            "margins": sampled_margins(trace_conditions(run), count, seed),
+            "margins": sampled_margins(trace_conditions(run), count, seed, run.table),
             "samples": count,
             "speed_m_s": length / duration,
             "step_m": length,
             "step_s": duration,
             "multipliers": tuple(float(x) for x in multipliers),
-            **needs_in_tube(robot, gait, count, seed),
+            **needs_in_tube(robot, run.controller, run.table, count, seed),
             "inlet_m": float(widths[0]),
             "inlet_momenta": tuple(float(x / gait.start[1]) for x in widths[1:]),
         }
@@ -187,12 +204,12 @@ class SpatialSystem(ExportedSystem):
         )
 
     def margins(self, run: FamilyRun, u: Float[Array, "4"]) -> Mapping[str, Array]:
-        """Return the margins at a point of the chart: phase, and a point of the cube."""
+        """Return the margins at a point of the chart: phase, a point of the cube, commands."""
         return spatial_margins(run.robot, run.controller, u)
 
     def place(self, run: FamilyRun, u: Float[Array, "4"]) -> tuple[float, float]:
         """Return the hip's place at a point of the chart, forward and to the left."""
-        z = run.controller.state_at(u)
+        z = run.controller.told(u[4:])[0].state_at(u)
         return float(z[0]), float(z[1])
 
     def place_in_words(self, place: tuple[float, float]) -> str:
@@ -208,8 +225,7 @@ class SpatialSystem(ExportedSystem):
     def conclude(
         self, bounds: Mapping[str, float | None], config: SpatialConfig, level: int
     ) -> tuple[Conclusion, ...]:
-        del config
-        return conclude(bounds, level)
+        return conclude(bounds, level, told_speeds(self.table_of(config).chart) or "")
 
     @override
     def header(self, run: FamilyRun) -> ControllerHeader:
@@ -225,9 +241,13 @@ class SpatialSystem(ExportedSystem):
 
     def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[SpatialWalks, bool]:
         """Walk in MuJoCo under `pd`. Returns: record, whether all took all their steps."""
-        starts = starts_of(run.controller, count, seed)
+        starts = starts_of(run.controller.typical, count, seed)
         step_s = run.summary.step_s
-        plan = WalkPlan(controller="pd", starts=starts, steps=STEPS, step_s=step_s, seed=seed)
+        command = run.config.command
+        told = None if command is None else schedule_of((command,))
+        plan = WalkPlan(
+            controller="pd", starts=starts, steps=STEPS, step_s=step_s, told=told, seed=seed
+        )
         done = simulate_walks(run, plan)
         return done, done.walked == done.episodes
 
@@ -241,6 +261,7 @@ class SpatialSystem(ExportedSystem):
         multipliers = ", ".join(f"{one:.2f}" for one in done.multipliers)
         return [
             f"Gait and tube: {self.sizes(done)}.",
+            *_told_in_words(run.config),
             f"Multipliers of the orbit: {multipliers} in magnitude, computed in floating point.",
             f"Sampled in the tube: friction up to {done.friction:.2f} of {run.robot.friction:g}, "
             f"torque up to {done.peak_torque_nm:.0f} N m, {done.yaw_nm:.0f} N m to hold the yaw.",
@@ -248,7 +269,7 @@ class SpatialSystem(ExportedSystem):
 
     def page_figures(self, run: FamilyRun) -> Sequence[tuple[Figure, str]]:
         """Draw a step of the orbit from two sides, walks in MuJoCo from above, and the tube."""
-        gait = run.controller
+        gait = run.controller.typical
         steps = 10
         pushes = (0.0, 5.0)  # [N s]
         traces = trace_walks(run, steps, pushes)
@@ -273,6 +294,32 @@ class SpatialSystem(ExportedSystem):
             ),
             (draw_sections(gait), "Sections of the tube, less its middle: shadows of ellipsoids"),
         )
+
+
+def _told_in_words(config: SpatialConfig) -> list[str]:
+    """Return the sentence about what a gait is told; none for one that takes no commands."""
+    command = config.command
+    if command is None:
+        return []
+    return [
+        f"It is told a speed from {command.low:g} to {command.high:g} m/s at each touchdown, at "
+        f"most {command.change_limit:g} m/s more or less than in the step before. Sizes, figures "
+        f"and the exported C are those of {command.middle:g} m/s all the time."
+    ]
+
+
+def _told(low: float, high: float) -> tuple[float, float, float]:
+    """Return a range of speeds, and the largest change from one step to the next [m/s].
+
+    Raises: InputError on an empty or a short range.
+    """
+    change = 0.004  # Within reach of the tubes of the robot that is shipped.
+    if not high - low > 2.0 * change:
+        raise InputError(
+            f"speed: expected a range LOW:HIGH more than {2.0 * change:g} m/s wide, found "
+            f"{low:g}:{high:g}: write --speed {low:g}, or a wider range"
+        )
+    return low, high, change
 
 
 SYSTEM = SpatialSystem()

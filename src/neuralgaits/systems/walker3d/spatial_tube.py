@@ -9,17 +9,15 @@ from neuralgaits.systems.walker3d.spatial_pose import cross
 
 
 class TubeSection(eqx.Module):
-    """The tube's ellipsoid at a phase, with what it changes by per unit of phase.
+    """The tube's ellipsoid at a phase.
 
     Attributes:
-        centre, centre_slope: middle and its slope, in the units of (y, L_y, n). [3]
-        axes, axes_slope: half axes, as columns. [3, 3]
+        centre: middle, in the units of (y, L_y, n). [3]
+        axes: half axes, as columns. [3, 3]
     """
 
     centre: Float[Array, "3"]
-    centre_slope: Float[Array, "3"]
     axes: Float[Array, "3 3"]
-    axes_slope: Float[Array, "3 3"]
 
     def states(self, w: Float[Array, "3"]) -> Float[Array, "3"]:
         """Return (y, L_y, n) of a point of the unit ball."""
@@ -38,6 +36,18 @@ class TubeSection(eqx.Module):
         return deviations @ cofactors / self.volume
 
 
+class SlopedSection(TubeSection):
+    """The tube's ellipsoid at a phase, with what it changes by per unit of phase.
+
+    Attributes:
+        centre_slope: slope of its middle. [3]
+        axes_slope: slope of its half axes. [3, 3]
+    """
+
+    centre_slope: Float[Array, "3"]
+    axes_slope: Float[Array, "3 3"]
+
+
 class SpatialTube(eqx.Module):
     """States (t, c(t) + R(t) w) with w in the unit ball, at phases t from 0 to 1.
 
@@ -49,9 +59,11 @@ class SpatialTube(eqx.Module):
     centre: Float[Array, "a 3"]
     axes: Float[Array, "b 3 3"]
 
-    def section(self, t: Float[Array, ""]) -> TubeSection:
+    def section(self, t: Float[Array, ""]) -> SlopedSection:
         """Return the ellipsoid at a phase."""
-        return TubeSection(*_with_slope(self.centre, t), *_with_slope(self.axes, t))
+        centre, centre_slope = _with_slope(self.centre, t)
+        axes, axes_slope = _with_slope(self.axes, t)
+        return SlopedSection(centre, axes, centre_slope, axes_slope)
 
     def sections(
         self, phases: Float[np.ndarray, " N"]

@@ -10,12 +10,14 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
+from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.records.record import Count, Disturb, Record
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.sensing import name_of
 from neuralgaits.simulation.ticks.delay_line import DelayLine
 from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
-from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
+from neuralgaits.systems.walker3d.spatial_gait import AbstractSpatialGait, SpatialGait
 from neuralgaits.systems.walker3d.spatial_laws import (
     Measured,
     TorqueDemand,
@@ -90,6 +92,7 @@ class WalkPlan:
         starts: states of the zero dynamics. [N, 4]
         steps: of each walk.
         step_s: duration of the orbit's step [s].
+        told: what the gait is told; None for a gait that takes no commands.
         push, push_left: impulse forward and to the left [N s]; None for none.
         changes: of the plant and its sensors.
         seed: of floors, noise and the moments of pushes.
@@ -99,6 +102,7 @@ class WalkPlan:
     starts: Float[np.ndarray, "N 4"]
     steps: int
     step_s: float
+    told: CommandSchedule | None = None
     push: float | None = None
     push_left: float | None = None
     changes: SpatialChanges = field(default_factory=SpatialChanges)
@@ -163,15 +167,47 @@ class WalkLog:
 
 
 def law_of_gait(
-    robot: SpatialRobot, gait: SpatialGait, controller: str
-) -> Callable[[Measured], TorqueDemand]:
-    """Return a law for many robots at once, compiled."""
-    walker, policy = robot.walker, gait.policy
+    robot: SpatialRobot, gait: AbstractSpatialGait, controller: str
+) -> Callable[[Measured, Array], TorqueDemand]:
+    """Return a law for many robots at once, compiled: of readings, and commands before and now."""
+    walker = robot.walker
     if controller == "fblin":
-        equations = quick_jit(jax.vmap(lambda found: linearisation(walker, policy, found)))
-        return lambda found: equations(found).solved()
-    gains = joint_gains(walker, policy, gait.start)
-    return quick_jit(jax.vmap(lambda found: pd_law(walker, policy, gains, found)))
+        equations = quick_jit(
+            jax.vmap(lambda found, pair: linearisation(walker, gait.step(pair).policy, found))
+        )
+        return lambda found, pairs: equations(found, pairs).solved()
+    typical = gait.typical
+    gains = joint_gains(walker, typical.policy, typical.start)
+    return quick_jit(
+        jax.vmap(lambda found, pair: pd_law(walker, gait.step(pair).policy, gains, found))
+    )
+
+
+class StepCommands:
+    """What each of some robots is told: at each touchdown, as far as one step may change it.
+
+    Attributes:
+        pairs: values before and now; 0 for a gait that takes no commands. [N, 2]
+    """
+
+    def __init__(self, told: CommandSchedule | None, count: int):
+        """Tell every robot the schedule's first command, as if it were the same for long."""
+        self.pairs = np.zeros((count, 2))
+        self._limits = self._told = None
+        if told is not None:
+            self.pairs[:] = told.first[0]
+            self._limits = CommandLimits.of(told.commands)
+            self._told = [told.of(episode) for episode in range(count)]
+
+    def latch(self, touch: Array) -> None:
+        """Take the next command of each robot that touches down. [N]."""
+        if self._told is None or self._limits is None:
+            return
+        for one in map(int, np.flatnonzero(touch)):
+            last, limits = self.pairs[one, 1], self._limits
+            asked = np.clip(next(self._told[one]), limits.low, limits.high)
+            (now,) = np.clip(asked, last - limits.change, last + limits.change)
+            self.pairs[one] = last, now
 
 
 def starts_of(gait: SpatialGait, count: int, seed: int) -> Float[np.ndarray, "N 4"]:
@@ -182,13 +218,18 @@ def starts_of(gait: SpatialGait, count: int, seed: int) -> Float[np.ndarray, "N 
     return gait.starts(inside)
 
 
-def walk(robot: SpatialRobot, gait: SpatialGait, plan: WalkPlan) -> tuple[SpatialPlants, WalkLog]:
+def walk(
+    robot: SpatialRobot, gait: AbstractSpatialGait, plan: WalkPlan
+) -> tuple[SpatialPlants, WalkLog]:
     """Simulate walks until each has taken its steps or has fallen.
 
     Returns: the plants at the end, and what was seen.
     """
     law, count = law_of_gait(robot, gait, plan.controller), len(plan.starts)
-    plants = SpatialPlants.started(robot, gait, plan.starts, plan.changes, plan.seed)
+    commands = StepCommands(plan.told, count)
+    places = quick_jit(jax.vmap(lambda z, pair: _place(gait.step(pair), z)))
+    first = jax.tree.map(np.asarray, gait.step(commands.pairs[0]))
+    plants = SpatialPlants.started(robot, first, plan.starts, plan.changes, plan.seed)
     log, phase, now = WalkLog.of(count), np.zeros(count), 0.0
     sensors, late = SpatialSensors(plants, plan.seed), DelayLine(plan.changes.delay_ticks, count, 6)
     size = float(np.linalg.norm(plan.impulse))
@@ -197,15 +238,16 @@ def walk(robot: SpatialRobot, gait: SpatialGait, plan: WalkPlan) -> tuple[Spatia
         touch = moving & plants.landed() & (phase > LANDING)
         plants.left ^= touch
         log.taken += touch
+        commands.latch(touch)
         log.since = np.where(touch, 0.0, log.since + TICK_S)
         moving &= log.taken < plan.steps
         found = sensors.read(log.since)
-        asked = jax.tree.map(np.asarray, law(found))
-        phase = np.asarray(gait.policy.phase(asked.z.T))
+        asked = jax.tree.map(np.asarray, law(found, commands.pairs))
+        phase, distance = map(np.asarray, places(asked.z, commands.pairs))
         plants.advance_floors(np.asarray(touch), asked.z[:, 0])
         force = push.at(now, np.asarray(touch), np.asarray(log.taken))
         log.pushed = push.starts <= now
-        log.note(asked, gait.holds(asked.z), moving, plants.limits)
+        log.note(asked, distance <= 1.0, moving, plants.limits)
         lost = ~np.isfinite(asked.torques).all(axis=1) | (log.since > LONGEST * plan.step_s)
         log.fell |= moving & lost
         torques = late.due(plants.own(asked.torques))
@@ -214,6 +256,11 @@ def walk(robot: SpatialRobot, gait: SpatialGait, plan: WalkPlan) -> tuple[Spatia
             log.fell[one] = plants.fallen(one)
         now += TICK_S
     return plants, log
+
+
+def _place(step: SpatialGait, z: Float[Array, "4"]) -> tuple[Array, Array]:
+    """Return phase and distance from the tube's middle in half axes."""
+    return step.policy.phase(z), step.distance(z)
 
 
 def simulate_walks(run: Any, plan: WalkPlan) -> SpatialWalks:

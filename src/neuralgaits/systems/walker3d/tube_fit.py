@@ -1,7 +1,9 @@
 """The tube about a periodic orbit: what the linearised flow and touchdown shrink."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -9,19 +11,28 @@ from numpy.polynomial import chebyshev
 from scipy.linalg import solve_discrete_lyapunov
 
 from neuralgaits._quick_jit import quick_jit
-from neuralgaits._types import Float
+from neuralgaits._types import Array, Float
 from neuralgaits.errors import NonFiniteError
 from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.walker3d.spatial_conditions import spatial_margins
 from neuralgaits.systems.walker3d.spatial_dynamics import flow
-from neuralgaits.systems.walker3d.spatial_gait import AXES_DEGREE, CENTRE_DEGREE, SpatialGait
+from neuralgaits.systems.walker3d.spatial_gait import (
+    AXES_DEGREE,
+    CENTRE_DEGREE,
+    AbstractSpatialGait,
+    SpatialGait,
+)
+from neuralgaits.systems.walker3d.spatial_levels import TABLE
 from neuralgaits.systems.walker3d.spatial_orbit import SpatialOrbit
+from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy
 from neuralgaits.systems.walker3d.spatial_start import section_scale
 from neuralgaits.systems.walker3d.spatial_step import step_from
 from neuralgaits.systems.walker3d.spatial_tube import SpatialTube
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 from neuralgaits.systems.walker3d.tube_samples import searched_margins
 
+Gait = TypeVar("Gait", bound=AbstractSpatialGait)
 DISTURBANCE = np.array([[0.83, 2.92, 0.0], [0.0, 1.0, 0.0], [0.44, -4.17, 0.56]])
 """Half axes, as columns, of what may happen to the start of each step, of any size, in deviations
 of `section_scale`: the tube's section is in proportion to what accumulates. Chosen for the robot
@@ -31,7 +42,7 @@ SHRINKING = 0.2
 the flow points inward; the touchdown takes at least as much back."""
 
 
-class _Followed(NamedTuple):
+class Followed(NamedTuple):
     """Values and slopes by phase, at equal distances of phase. [phases, 3], [phases, 3, 3]."""
 
     centre: np.ndarray
@@ -46,27 +57,38 @@ def widest_gait(robot: SpatialWalker, orbit: SpatialOrbit) -> SpatialGait:
     The narrowest one is returned if there is none. Raises: NonFiniteError as `gait_of`.
     """
     scale = section_scale(robot, orbit.policy.pendulum)
-    # Half widths in L_y of the tubes that are tried, in deviations of `section_scale`.
+    return widest(robot, lambda size: gait_of(robot, orbit, scale, size), TABLE)
+
+
+def widest(robot: SpatialWalker, sized: Callable[[float], Gait], table: ConditionTable) -> Gait:
+    """Return the gait with the widest tube in which a search finds no condition broken.
+
+    Args:
+        robot: the model.
+        sized: returns the gait with a tube of a half width in L_y, in deviations of
+            `section_scale`.
+        table: regions of the conditions.
+
+    Returns: the narrowest one that is tried if there is none.
+    """
     sizes = (0.62, 0.54, 0.47, 0.41, 0.35, 0.28, 0.2, 0.12)
-    for size in sizes:
-        gait = gait_of(robot, orbit, scale, size)
+    for size in sizes[:-1]:
+        gait = sized(size)
         program = trace(
-            lambda u, own=gait: spatial_margins(robot, own, u), {"u": (4,)}, parameters=gait
+            lambda u, own=gait: spatial_margins(robot, own, u),
+            {"u": (table.chart.size,)},
+            parameters=gait,
         )
-        margins = searched_margins(program, 2**10, seed=0)
+        margins = searched_margins(program, 2**10, seed=0, table=table)
         if min(margins.values()) > 0.004:
-            break
-    return gait
+            return gait
+    return sized(sizes[-1])
 
 
 def gait_of(
     robot: SpatialWalker, orbit: SpatialOrbit, scale: Float[np.ndarray, "3"], size: float
 ) -> SpatialGait:
     """Return the gait of an orbit with a tube about it.
-
-    Half axes grow as R(t) = Phi(t) R(0) e^(SHRINKING t) with the linearised flow Phi. R(0) is such
-    that the touchdown brings R(1) back into it, with as much to spare as multipliers allow: with
-    Q = R(0) R(0)^T and the section's derivatives A, Q = A Q A^T / share^2 + DISTURBANCE's.
 
     Args:
         robot: the model.
@@ -76,52 +98,112 @@ def gait_of(
 
     Raises: NonFiniteError if the orbit is not stable enough.
     """
-    largest = float(np.abs(np.linalg.eigvals(orbit.section)).max())
+    first = first_axes(orbit.section, scale, size)
+    policies = jax.tree.map(lambda one: np.asarray(one)[None], orbit.policy)
+    (tube,) = tubes_along(robot, policies, np.asarray(orbit.start)[None], first[None], scale)
+    # NumPy's own numbers, as a run's folder gives them back.
+    return jax.tree.map(np.asarray, SpatialGait(policy=orbit.policy, tube=tube))
+
+
+def first_axes(
+    section: Float[np.ndarray, "3 3"],
+    scale: Float[np.ndarray, "3"],
+    size: float,
+    disturbances: Float[np.ndarray, "3 k"] = DISTURBANCE,
+) -> Float[np.ndarray, "3 3"]:
+    """Return half axes R(0) of the tube where a step starts.
+
+    They are such that the touchdown brings R(1) back into R(0), with as much to spare as
+    multipliers allow: with Q = R(0) R(0)^T and the section's derivatives A,
+    Q = A Q A^T / share^2 + D D^T of the disturbances D.
+
+    Args:
+        section: derivatives A of the start of the next step, in scaled coordinates.
+        scale: see `section_scale`.
+        size: half width of the tube in L_y, in these.
+        disturbances: see `DISTURBANCE`.
+
+    Raises: NonFiniteError if the orbit is not stable enough.
+    """
+    largest = float(np.abs(np.linalg.eigvals(section)).max())
     if not largest * np.exp(SHRINKING) < 1.0:
         raise NonFiniteError(
             f"expected multipliers of a gait below {np.exp(-SHRINKING):.2f}, found {largest:.3g}: "
             "the robot's gait is not stable"
         )
-    grown = np.exp(SHRINKING) * orbit.section
+    grown = np.exp(SHRINKING) * section
     share = 0.5 * (1.0 + largest * np.exp(SHRINKING))
-    shape = solve_discrete_lyapunov(grown / share, DISTURBANCE @ DISTURBANCE.T)
+    shape = solve_discrete_lyapunov(grown / share, disturbances @ disturbances.T)
     # The first axis is the one along L_y, which `closer` is least coupled with; the last is
     # reversed, so that the volume is positive.
     order = np.ix_([1, 0, 2], [1, 0, 2])
     first = np.linalg.cholesky(shape[order])[[1, 0, 2]] * np.array([1.0, 1.0, -1.0])
-    first = size / np.linalg.norm(first[1]) * scale[:, None] * first
-    step = _followed(robot, orbit, scale)
+    return size / np.linalg.norm(first[1]) * scale[:, None] * first
+
+
+def tubes_along(
+    robot: SpatialWalker,
+    policies: SpatialPolicy,
+    starts: Float[np.ndarray, "k 3"],
+    first: Float[np.ndarray, "k 3 3"],
+    scale: Float[np.ndarray, "3"],
+) -> list[SpatialTube]:
+    """Return the tubes of steps about the motion from their starts.
+
+    Half axes grow as R(t) = Phi(t) R(0) e^(SHRINKING t) with the linearised flow Phi.
+
+    Args:
+        robot: the model.
+        policies: one policy a step: each array has a first axis.
+        starts: (y, L_y, n) where the steps start.
+        first: R(0) of each.
+        scale: see `section_scale`.
+    """
+    return [
+        _tube_along(*parts)
+        for parts in zip(followed(robot, policies, starts, scale), first, strict=True)
+    ]
+
+
+def _tube_along(step: Followed, first: Float[np.ndarray, "3 3"]) -> SpatialTube:
     shares = np.linspace(0.0, 1.0, len(step.centre))
     growth = np.exp(SHRINKING * shares)[:, None, None]
     axes = growth * (step.deviations @ first)
     axes_slope = SHRINKING * axes + growth * (step.deviation_slopes @ first)
-    tube = SpatialTube(
+    return SpatialTube(
         _fitted(shares, step.centre, step.centre_slope, CENTRE_DEGREE),
         _fitted(shares, axes, axes_slope, AXES_DEGREE),
     )
-    # NumPy's own numbers, as a run's folder gives them back.
-    return jax.tree.map(np.asarray, SpatialGait(orbit.policy, tube))
 
 
-def _followed(
-    robot: SpatialWalker, orbit: SpatialOrbit, scale: Float[np.ndarray, "3"]
-) -> _Followed:
-    """Follow the orbit and its neighbours over a step."""
-    deviation = 1e-3  # Deviations from the orbit that are followed, in those of `section_scale`.
-    policy = orbit.policy
+def followed(
+    robot: SpatialWalker,
+    policies: SpatialPolicy,
+    starts: Float[np.ndarray, "k 3"],
+    scale: Float[np.ndarray, "3"],
+) -> list[Followed]:
+    """Follow steps from their starts, and their neighbours, see `tubes_along`."""
+    deviation = 1e-3  # Deviations from a step that are followed, in those of `section_scale`.
     near = np.vstack([np.zeros(3), deviation * np.eye(3), -deviation * np.eye(3)]) * scale
-    starts = jnp.asarray(np.asarray(orbit.start) + near)
-    steps = quick_jit(jax.vmap(lambda one: step_from(robot, policy, one).states))(starts)
-    states = np.asarray(steps)
-    rates = quick_jit(jax.vmap(lambda z: flow(robot, policy, z).rates))(states.reshape(-1, 4))
-    rates = np.asarray(rates).reshape(states.shape)
-    slopes = rates[..., 1:] / rates[..., :1] * float(policy.ends[1] - policy.ends[0])
+    pendulum = jax.tree.map(lambda one: one[0], policies.pendulum)
+
+    def of_step(policy: SpatialPolicy, start: Array) -> tuple[Array, Array]:
+        # The pendulum's numbers are those of all steps, and known to the compiler.
+        policy = eqx.tree_at(lambda one: one.pendulum, policy, pendulum)
+        states = jax.vmap(lambda one: step_from(robot, policy, one).states)(start + near)
+        rates = jax.vmap(lambda z: flow(robot, policy, z).rates)(states.reshape(-1, 4))
+        slopes = rates[:, 1:] / rates[:, :1] * (policy.ends[1] - policy.ends[0])
+        return states[..., 1:], slopes.reshape(*states.shape[:-1], 3)
+
+    states, slopes = map(np.asarray, quick_jit(jax.vmap(of_step))(policies, jnp.asarray(starts)))
 
     def differences(rows: np.ndarray) -> np.ndarray:
         return np.moveaxis(rows[1:4] - rows[4:], 0, -1) / (2.0 * deviation * scale)
 
-    states = states[..., 1:]
-    return _Followed(states[0], slopes[0], differences(states), differences(slopes))
+    return [
+        Followed(way[0], slope[0], differences(way), differences(slope))
+        for way, slope in zip(states, slopes, strict=True)
+    ]
 
 
 def _fitted(

@@ -11,15 +11,19 @@ from neuralgaits._types import Array, Float
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.walker3d.spatial_dynamics import loads
-from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
+from neuralgaits.systems.walker3d.spatial_gait import AbstractSpatialGait
 from neuralgaits.systems.walker3d.spatial_impact import reset
-from neuralgaits.systems.walker3d.spatial_levels import TABLE
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 
 def sampled_margins(
-    program: Program, count: int, seed: int, names: Mapping[str, str] = TABLE.conditions
+    program: Program,
+    count: int,
+    seed: int,
+    table: ConditionTable,
+    names: Mapping[str, str] | None = None,
 ) -> dict[str, float]:
     """Return the smallest value of each output at random points of its region.
 
@@ -27,13 +31,15 @@ def sampled_margins(
         program: outputs of a point of the chart.
         count: points of each region; its boxes share them.
         seed: seed of the draw.
-        names: outputs, with the region of each.
+        table: regions, and conditions.
+        names: outputs, with the region of each; the conditions if None.
 
     Returns: NaN for an output without a value somewhere.
     """
+    names = table.conditions if names is None else names
     draw = np.random.default_rng(seed)
     least = dict.fromkeys(names, np.inf)
-    for region, boxes in TABLE.regions.items():
+    for region, boxes in table.regions.items():
         here = [name for name, place in names.items() if place == region]
         if not here:
             continue
@@ -47,7 +53,9 @@ def sampled_margins(
     return least
 
 
-def searched_margins(program: Program, count: int, seed: int) -> dict[str, float]:
+def searched_margins(
+    program: Program, count: int, seed: int, table: ConditionTable
+) -> dict[str, float]:
     """Return the smallest value of each condition that a search from random points finds.
 
     The lowest points of a draw are moved at random, ever less, and the lowest of these are kept:
@@ -57,16 +65,17 @@ def searched_margins(program: Program, count: int, seed: int) -> dict[str, float
         program: conditions at a point of the chart.
         count: points of each box that are drawn.
         seed: seed of the draw.
+        table: conditions and their regions.
 
     Returns: NaN for a condition without a value somewhere.
     """
     draw = np.random.default_rng(seed)
     kept, neighbours = 16, 32
     least = {}
-    for name, region in TABLE.conditions.items():
+    for name, region in table.conditions.items():
         own = prune(program, [name])
         least[name] = np.inf
-        for ends in TABLE.regions[region]:
+        for ends in table.regions[region]:
             low, high = map(np.array, ends)
             points = _points(draw, low, high, count)
             values = _values(own, points)[name]
@@ -93,7 +102,11 @@ def _values(program: Program, points: Float[np.ndarray, "N n"]) -> dict[str, np.
 
 
 def needs_in_tube(
-    robot: SpatialWalker, gait: SpatialGait, count: int, seed: int
+    robot: SpatialWalker,
+    gait: AbstractSpatialGait,
+    table: ConditionTable,
+    count: int,
+    seed: int,
 ) -> dict[str, float]:
     """Return the largest friction, torque, moment of the yaw and miss of the swing foot.
 
@@ -101,8 +114,9 @@ def needs_in_tube(
     """
 
     def needs(u: Array) -> dict[str, Array]:
-        z = gait.state_at(u)
-        now, needed = loads(robot, gait.policy, z)
+        step, following = gait.told(u[4:])
+        z = step.state_at(u)
+        now, needed = loads(robot, step.policy, z)
         landed = reset(robot, now.pose, now.links, now.motion)
         ahead, aside, normal = needed.ground
         # Squares below 0, of which the smallest is found; Programs have no magnitudes.
@@ -110,12 +124,13 @@ def needs_in_tube(
             "friction": -(ahead * ahead + aside * aside) / (normal * normal),
             "peak_torque_nm": -needed.torques * needed.torques,
             "yaw_nm": -needed.yaw * needed.yaw,
-            "missed_m": -((gait.policy(landed).aside - z[1]) ** 2),
+            "missed_m": -((following.aside @ step.policy.inputs(landed) - z[1]) ** 2),
         }
 
     places = {"friction": "tube", "peak_torque_nm": "tube", "yaw_nm": "tube"}
-    program = trace(needs, {"u": (4,)}, parameters=gait)
-    squares = sampled_margins(program, count, seed, {**places, "missed_m": "touchdown"})
+    program = trace(needs, {"u": (table.chart.size,)}, parameters=gait)
+    places["missed_m"] = "touchdown"
+    squares = sampled_margins(program, count, seed, table, places)
     return {name: float(np.sqrt(-square)) for name, square in squares.items()}
 
 

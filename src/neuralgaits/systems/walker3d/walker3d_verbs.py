@@ -3,9 +3,13 @@
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import jax
+import numpy as np
+
 from neuralgaits.errors import InputError
 from neuralgaits.runs import RUNS_ROOT
 from neuralgaits.settings.forms import Interval
+from neuralgaits.simulation.setup.command_schedule import schedule_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.family_verbs import FamilyVerbs
@@ -54,6 +58,8 @@ def simulate(
     seed: int = 0,
     push: float | None = None,
     push_left: float | None = None,
+    command: str | Mapping[str, float] | None = None,
+    commands: str | Path | None = None,
     disturb: str | Mapping[str, float] | PlantChanges | None = None,
     sensing: str | None = None,
 ) -> VerbResult:
@@ -66,10 +72,17 @@ def simulate(
     changes = changes_of(disturb, sensing)
     opened = open_family_run(SYSTEM, run)
     progress.begun()
+    gait = opened.controller
+    told = None
+    if gait.command is not None or command is not None or commands is not None:
+        known = () if gait.command is None else (gait.command,)
+        told = schedule_of(known, command, commands, seed)
+        gait = jax.tree.map(np.asarray, gait.step(np.repeat(told.first, 2)))
     plan = WalkPlan(
         controller=controller,
-        starts=starts_of(opened.controller, episodes, seed),
+        starts=starts_of(gait, episodes, seed),
         steps=steps,
+        told=told,
         step_s=opened.summary.step_s,
         push=push,
         push_left=push_left,

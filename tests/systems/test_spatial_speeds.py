@@ -1,0 +1,156 @@
+"""Gaits of the biped in three dimensions that are told a speed at each touchdown."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.certificate.chart import Axis, Chart
+from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Command
+from neuralgaits.programs import POINT, evaluate
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
+from neuralgaits.systems.family_run import open_family_run
+from neuralgaits.systems.proof_model import trace_conditions
+from neuralgaits.systems.system_family import ProgressCallbacks
+from neuralgaits.systems.walker3d.spatial_dynamics import flow
+from neuralgaits.systems.walker3d.spatial_impact import reset
+from neuralgaits.systems.walker3d.spatial_levels import STATE, TABLE, conclude, told_speeds
+from neuralgaits.systems.walker3d.spatial_step import step_of_orbit
+from neuralgaits.systems.walker3d.spatial_system import SYSTEM
+from neuralgaits.systems.walker3d.spatial_walks import StepCommands
+from neuralgaits.systems.walker3d.walker3d_verbs import VERBS, simulate
+
+QUIET = ProgressCallbacks()
+LOW, HIGH = 0.62, 0.68
+SPEED = Command("speed", LOW, HIGH, 0.004)
+
+
+@pytest.fixture(scope="session")
+def speed_run(made_once):
+    """A gait for a range of speeds, shared by all workers: nobody changes it."""
+
+    def make(run):
+        VERBS["train"]("walker3d", progress=QUIET, speed=(LOW, HIGH), out=run, root=run.parent)
+
+    return made_once("walker3d-speeds", make)
+
+
+@pytest.fixture(scope="module")
+def run(speed_run):
+    return open_family_run(SYSTEM, speed_run)
+
+
+@pytest.mark.slow
+def test_a_touchdown_leads_to_the_start_of_the_next_step_whatever_is_told(run):
+    """Hip, outputs and section at its start depend on no speed that comes later."""
+    gait, walker = run.controller, run.robot
+    step = gait.step(jnp.array([0.640, 0.643]))
+    following = gait.between(jnp.asarray(0.640), jnp.asarray(0.643))[1]
+    end = step.state(jnp.ones(()), step.tube.section(jnp.ones(())).centre)
+    now = flow(walker, step.policy, end)
+    landed = reset(walker, now.pose, now.links, now.motion)
+    last = step.policy(end)
+    for later in (0.639, 0.643, 0.647):
+        after = gait.step(jnp.array([0.643, later]))
+        assert landed[0] == pytest.approx(float(after.policy.ends[0]), abs=1e-12)
+        first = after.policy(landed)
+        # The swing foot of the next step is where the stance foot was: behind by the step.
+        np.testing.assert_allclose(first.ahead, -end[0], atol=1e-12)
+        np.testing.assert_allclose([first.pitch, first.height], [last.pitch, last.height])
+        assert first.lift == 0.0
+        section = after.tube.section(jnp.zeros(()))
+        np.testing.assert_allclose(section.centre, following.section.centre, atol=1e-12)
+        np.testing.assert_allclose(section.axes, following.section.axes, atol=1e-12)
+        aside = following.aside @ step.policy.inputs(landed)
+        np.testing.assert_allclose(first.aside, aside, atol=1e-12)
+
+
+@pytest.mark.slow
+def test_each_speed_that_is_told_all_the_time_is_walked(run):
+    for speed in (LOW, 0.653, HIGH):
+        step = jax.tree.map(np.asarray, run.controller.step(jnp.array([speed, speed])))
+        duration = step_of_orbit(run.robot, step.policy, step.start)
+        walked = float(step.policy.ends[1] - step.policy.ends[0]) / duration
+        assert walked == pytest.approx(speed, abs=0.005)
+
+
+@pytest.mark.slow
+def test_no_sample_breaks_a_condition_and_the_program_has_the_commands(run):
+    assert run.summary.holds
+    assert run.table.chart.state[len(STATE) :] == tuple(Axis(*one) for one in SPEED.axes)
+    point = np.array([0.4, 0.7, 0.2, 0.9, 0.66, -0.003])
+    found = evaluate(trace_conditions(run), {"u": point[None]}, POINT)
+    expected = SYSTEM.margins(run, jnp.asarray(point))
+    for name in TABLE.conditions:
+        np.testing.assert_allclose(
+            found[name].ravel(), np.ravel(expected[name]), rtol=1e-8, atol=1e-10, err_msg=name
+        )
+    # Another speed has other margins: the axes are read.
+    point[4] = 0.63
+    other = SYSTEM.margins(run, jnp.asarray(point))
+    assert abs(float(other["forward"]) - float(expected["forward"])) > 1e-3
+
+
+@pytest.mark.slow
+def test_it_walks_at_the_speeds_that_it_is_told(speed_run):
+    slow = simulate(speed_run, progress=QUIET, command="speed=0.62", steps=6).result
+    fast = simulate(speed_run, progress=QUIET, command={"speed": 0.68}, steps=6).result
+    assert slow.walked == fast.walked == 1
+    assert slow.speed_m_s == pytest.approx(0.62, abs=0.015)
+    assert fast.speed_m_s == pytest.approx(0.68, abs=0.015)
+    random = simulate(speed_run, progress=QUIET, commands="random", episodes=3, steps=8).result
+    assert random.walked == 3
+
+
+def test_commands_are_latched_at_touchdowns_and_change_a_little_at_a_time():
+    told = CommandSchedule((SPEED,), np.array([0.65]), np.array([[0.9], [0.651]]))
+    commands = StepCommands(told, 2)
+    np.testing.assert_array_equal(commands.pairs, 0.65)
+    commands.latch(np.array([True, False]))
+    np.testing.assert_allclose(commands.pairs, [[0.65, 0.654], [0.65, 0.65]])
+    commands.latch(np.array([True, False]))
+    np.testing.assert_allclose(commands.pairs[0], [0.654, 0.651])
+    without = StepCommands(None, 2)
+    without.latch(np.array([True, True]))
+    assert not without.pairs.any()
+
+
+def test_a_chart_says_which_speeds_are_told_or_is_no_walkers():
+    axes = tuple(Axis(*one) for one in SPEED.axes)
+    told = told_speeds(Chart(state=(*STATE, *axes)))
+    assert told is not None and "0.62 to 0.68 m/s" in told and "0.004 m/s" in told
+    assert told_speeds(Chart(state=STATE)) == ""
+    speed, change = axes
+    for other in (
+        (speed,),
+        (change, speed),
+        (speed, change._replace(low=0.0)),
+        (speed._replace(low=-0.1), change),
+        (speed, change, Axis("slope", 0.0, 1.0)),
+    ):
+        assert told_speeds(Chart(state=(*STATE, *other))) is None
+    assert told_speeds(Chart(state=(*STATE[1:], STATE[0]))) is None
+    bounds = dict.fromkeys(TABLE.conditions, 0.1)
+    for with_speeds, plain in zip(conclude(bounds, told=told), conclude(bounds), strict=True):
+        assert with_speeds.proved and plain.proved
+        assert "told" in with_speeds.words[0]
+        assert "told" not in plain.words[0]
+
+
+@pytest.mark.parametrize(
+    ("speed", "words"),
+    [
+        ((0.60, 0.605), "a range LOW:HIGH more than 0.008 m/s wide, found 0.6:0.605"),
+        ((0.0, 0.7), "more than 0 and less than 3 m/s, found 0"),
+        ((0.6, 3.5), "more than 0 and less than 3 m/s, found 3.5"),
+    ],
+)
+def test_ranges_that_no_gait_can_have_are_refused(speed, words):
+    with pytest.raises(InputError, match=words):
+        SYSTEM.new_config(speed=speed)
+
+
+def test_commands_of_a_gait_that_takes_none_are_refused(spatial_run):
+    with pytest.raises(InputError, match="a gait that takes commands, found one that takes none"):
+        simulate(spatial_run, progress=QUIET, command="speed=0.6", steps=1)
