@@ -84,8 +84,9 @@ WORDS = {
     DISTURBED_LEVEL: LevelWords(
         about="full order, disturbed",
         asks="and does so under torques that are not exact, or held for a time that is found",
-        states="and does so under torques that are off the proved control law's (exact "
-        "linearisation or scheduled-pd) by up to a bound, or held between ticks",
+        states="the rigid robot walks for ever from a set D under torques that are off the proved "
+        "control law's (exact linearisation or scheduled-pd) by up to a bound, or held between "
+        "ticks",
         means="the rigid robot walks for ever from every state of a set in which joints may be a "
         "little off target, as long as the torques differ from those of the proved control law "
         "(exact input-output linearisation or scheduled-pd) by no more than a bound; or as long as "
