@@ -314,6 +314,16 @@ def test_what_is_refuted_is_shown_with_its_state(
     assert not any(line.startswith("next") for line in lines)
 
 
+def test_a_proof_at_full_order_is_shown_with_the_control_law_that_it_is_about(
+    capsys: Captured,
+) -> None:
+    levels = [LEVEL | {"level": level} for level in (2, 3, 4)]
+    brief.brief_proof(CertificateRecord.of(PROOF | {"levels": levels}))
+    assert "under exact linearisation in continuous time" in " ".join(
+        capsys.readouterr().out.split()
+    )
+
+
 def _shown(name: str, columns: int, capsys: Captured, monkeypatch: Environment) -> str:
     monkeypatch.setenv("COLUMNS", str(columns))
     show, result = SCREENS[name]

@@ -144,9 +144,11 @@ def test_a_part_that_is_proved_is_named_and_the_rest_is_not(commanded):
     assert "walk for ever" in page and "come together" not in page
     assert "Of all other commands nothing is proved." in page and "all of these" not in page
     page = said(commanded(certificate=none, of_some=ProvedOfSome(some, 2, 0)))
-    assert "There 2 of 3 conditions hold" in page and "every condition" not in page
+    assert "There, with joints exactly on target, 2 of 3 conditions hold" in page
+    assert "every condition" not in page
     page = said(commanded(certificate=none, of_some=ProvedOfSome({}, 3, 1)))
-    assert "of which the proof file has the pairs. </b>There every condition" in page
+    there = "There, with joints exactly on target, every condition"
+    assert f"of which the proof file has the pairs. </b>{there}" in page
     page = said(commanded(certificate=none, of_some=ProvedOfSome(some, 0, 0)))
     assert "Nothing is proved for any" in page and "0.7" not in page.split("</table>")[1]
 

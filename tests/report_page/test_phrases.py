@@ -6,7 +6,7 @@ import pytest
 
 from neuralgaits.barriers import functions, specs
 from neuralgaits.records import certificate_sentences
-from neuralgaits.records.level_words import WORDS
+from neuralgaits.records.level_words import ON_TARGET, WORDS
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -84,3 +84,14 @@ def test_ten_words_and_five_levels():
     assert set(WORDS) == {1, 2, 3, 4, 5}
     assert "linearisation" in " ".join(certificate_sentences.assumptions(4))
     assert "linearisation" not in " ".join(certificate_sentences.assumptions(3))
+
+
+@pytest.mark.parametrize("with_commands", [False, True])
+def test_no_level_is_stated_without_its_premise_about_joints_or_its_control_law(with_commands):
+    for level in (1, 2, 3):
+        assert certificate_sentences.states(level, with_commands).startswith(ON_TARGET)
+    for law, words in ("exact linearisation in continuous time", WORDS[4]), ("law", WORDS[5]):
+        assert law in words.states
+    assert "exact linearisation in continuous time" in WORDS[4].asks
+    joined = certificate_sentences.states_with_commands((1, 2, 3))
+    assert joined.count(ON_TARGET) == 1 and "walk for ever" in joined

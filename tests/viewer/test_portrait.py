@@ -17,7 +17,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     hashes,
     read_certificate,
 )
-from neuralgaits.viewer import markdown, phase_board
+from neuralgaits.viewer import markdown, phase_board, sureness
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.portrait import Portrait
@@ -249,6 +249,19 @@ def test_the_verdict_of_a_proof_about_some_commands_names_no_level(shipped):
     assert (
         verdict_of(found.summary, part) == "The proof file is about some commands only: see below."
     )
+
+
+def test_a_proof_about_some_commands_is_said_with_its_premise_about_the_joints(
+    shipped, monkeypatch
+):
+    found = read_certificate(shipped.folder)
+    assert found.summary is not None
+    above = tuple(one for one in found.summary.levels if one.level == 2)
+    part = ProvedPart(sequences=("speed 0.5 to 0.6 m/s",), conditions=("knee",), levels=above)
+    reading = found._replace(part=part)
+    monkeypatch.setattr(sureness, "read_certificate", lambda *_: reading)
+    words = how_sure(shipped).words
+    assert "There, with joints exactly on target, 1 of " in words and "walk for ever" in words
 
 
 def test_the_verdict_of_beliefs_names_the_robots(shipped):

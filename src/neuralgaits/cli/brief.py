@@ -138,8 +138,12 @@ def brief_proof(result: CertificateRecord) -> None:
     if above is not None and not open_:
         facts.append((f"level {above.level}", above.reason or above.verdict))
     if level and not open_ and above is None:
-        if level >= FULL_ORDER_LEVEL:
-            subject = "the whole rigid model, joints off their targets included"
+        if level > FULL_ORDER_LEVEL:
+            subject = "the rigid model, joints off target, under torques within level 5's bounds"
+        elif level == FULL_ORDER_LEVEL:
+            subject = (
+                "the rigid model under exact linearisation in continuous time, joints off target"
+            )
         else:
             subject = "the model with every joint exactly where the gait wants it"
         facts.append(("about", subject))

@@ -1,5 +1,7 @@
 """Statements of a certificate in words for a reader who does not know its terms."""
 
+from collections.abc import Iterable
+
 from neuralgaits._digits import at_least
 from neuralgaits.records.certified import CertificateRecord, Verdict
 from neuralgaits.records.level_words import (
@@ -7,6 +9,7 @@ from neuralgaits.records.level_words import (
     FOR_EVER,
     FULL_ORDER_LEVEL,
     HIGHEST,
+    ON_TARGET,
     ORBIT_LEVEL,
     WALKING_SET_LEVEL,
     WORDS,
@@ -78,13 +81,31 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
 
 
 def states(level: int, with_commands: bool, certificate: CertificateRecord | None = None) -> str:
-    """Return the statement of a level about a gait.
+    """Return the statement of a level about a gait, with its premise about the joints.
 
     Args:
         level: number of the level.
         with_commands: whether the gait takes commands.
         certificate: certificate with the box of robots and floors; None for the robot of the file.
     """
+    statement = _without_premise(level, with_commands, certificate)
+    return statement if level >= FULL_ORDER_LEVEL else f"{ON_TARGET}, {statement}"
+
+
+def states_with_commands(levels: Iterable[int], *first: str) -> str:
+    """Return statements of levels below 4 about a gait with commands, after their one premise.
+
+    Args:
+        levels: numbers of the levels.
+        first: statements to put before those of the levels.
+    """
+    statements = *first, *(_without_premise(level, True) for level in levels)
+    return f"{ON_TARGET}, {'; '.join(statements)}"
+
+
+def _without_premise(
+    level: int, with_commands: bool, certificate: CertificateRecord | None = None
+) -> str:
     if level == ORBIT_LEVEL and not with_commands and certificate is not None:
         if "floor" in certificate.parameters:
             of_one, own = _compared_robots(certificate)

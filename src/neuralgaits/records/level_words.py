@@ -9,7 +9,8 @@ class LevelWords(NamedTuple):
     Attributes:
         about: name of the level.
         asks: what must be proved in addition to the levels below.
-        states: statement about a gait, as in docs/guarantees.md.
+        states: statement about a gait, as in docs/guarantees.md; below level 4 without `ON_TARGET`,
+            which holds for all of them.
         means: meaning if it is the highest proved level, for a reader who knows none of the terms.
         states_told, means_told: likewise for a gait that takes commands, where that differs.
         one_gait: whether it is about a single gait of one robot on the intended floor, so that it
@@ -36,6 +37,8 @@ class LevelWords(NamedTuple):
 WALKING_SET_LEVEL, ORBIT_LEVEL, FULL_ORDER_LEVEL, DISTURBED_LEVEL = 2, 3, 4, 5
 """Levels by name: the walking set is invariant, walks in it converge, the full state under exact
 linearisation, the full state under torques that differ from that."""
+ON_TARGET = "with joints exactly on target"
+"""Premise of the levels below 4."""
 FOR_EVER = (
     "as long as the joints are exactly where the gait wants them, the robot walks for ever from "
     "every state of the walking set"
@@ -43,7 +46,7 @@ FOR_EVER = (
 WORDS = {
     1: LevelWords(
         about="conditions",
-        asks="every condition on its region",
+        asks=f"{ON_TARGET}, every condition on its region",
         states="every condition holds at every state of its region",
         means="every condition holds at every state of its region. That is about single states: "
         "nothing follows yet for whole walks.",
@@ -68,23 +71,27 @@ WORDS = {
     ),
     FULL_ORDER_LEVEL: LevelWords(
         about="full order",
-        asks="and that the robot walks on at full order, with outputs off zero and across impacts",
-        states="the whole robot walks for ever, joints that are off their targets included",
-        means="as long as the motors do at once exactly what the controller asks, the whole robot "
-        "walks for ever from every state of a set in which joints may be a little off their "
-        "targets. With joints exactly on target, it comes nearer and nearer to one motion that "
-        "repeats.",
+        asks="and that the rigid robot, under exact linearisation in continuous time, walks on "
+        "from a set of states with joints off target, across impacts",
+        states="the rigid robot under exact linearisation in continuous time walks for ever from "
+        "a set D, joints off target included",
+        means="under one control law, exact input-output linearisation in continuous time, and as "
+        "long as the motors do at once exactly what it asks, the rigid robot walks for ever from "
+        "every state of a set in which joints may be a little off target. With joints exactly on "
+        "target, it comes nearer and nearer to one motion that repeats.",
         one_gait=True,
     ),
     DISTURBED_LEVEL: LevelWords(
         about="full order, disturbed",
         asks="and does so under torques that are not exact, or held for a time that is found",
-        states="and does so under torques that are off by up to a bound, or held between ticks",
-        means="the whole robot walks for ever from every state of a set in which joints may be a "
-        "little off their targets, as long as what the motors do and what the controller asks "
-        "differ by no more than a bound; or as long as it asks anew at each touchdown and within "
-        "the time shown, and the motors hold that. With joints exactly on target, it comes nearer "
-        "and nearer to one motion that repeats.",
+        states="the rigid robot walks for ever from a set D under torques that are off the proved "
+        "control law's (exact linearisation or scheduled-pd) by up to a bound, or held between "
+        "ticks",
+        means="the rigid robot walks for ever from every state of a set in which joints may be a "
+        "little off target, as long as the torques differ from those of the proved control law "
+        "(exact input-output linearisation or scheduled-pd) by no more than a bound; or as long as "
+        "that law asks anew at each touchdown and within the time shown, and the motors hold that. "
+        "With joints exactly on target, it comes nearer and nearer to one motion that repeats.",
         one_gait=True,
     ),
 }

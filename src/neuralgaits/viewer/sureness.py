@@ -102,12 +102,10 @@ def verdict_of(answer: CertificateRecord, part: ProvedPart | None) -> str:
 def _of_part(part: ProvedPart, count: int) -> str:
     """Describe the proof for a part of the commands; the gait has `count` conditions."""
     sentence = f"{len(part.conditions)} of {count} conditions hold at every state of their regions"
-    levels = (
-        certificate_sentences.states(entry.level, with_commands=True) for entry in part.levels
-    )
-    text = markdown.text("; ".join((sentence, *levels)))
+    levels = (entry.level for entry in part.levels)
+    text = markdown.text(certificate_sentences.states_with_commands(levels, sentence))
     where = markdown.text("; ".join(part.sequences))
-    return f"**Proved of some commands only: {where}.** There {text}. Of others nothing is proved."
+    return f"**Proved of some commands only: {where}.** There, {text}. Of others nothing is proved."
 
 
 def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list[str]:

@@ -130,7 +130,7 @@ class BoxTree:
         return self.first < 0
 
     def best_axis(self, boxes: np.ndarray) -> np.ndarray:
-        """Return the axis that costs most; among several, the one halved least. [B].
+        """Return the least halved of the axes that cost at least `NEAR` of the largest cost. [B].
 
         Neither the largest slope nor the largest gain of a halving would do: where several axes
         together spoil bounds, each halving gains little, and large boxes may have no bounds at all

@@ -1,6 +1,7 @@
 """The axis along which a box is halved next.
 
-Usually it is `BoxTree.best_axis`: of the axes that cost nearly most, the one halved least. Two
+Usually it is `BoxTree.best_axis`: of the axes from 0.7 of the largest cost on, the one halved
+least; `halving.halves` halves it. Two
 kinds of boxes are exceptions. Of two coupled axes, one may be so wide that half of it lies beyond
 the other's reach: that half needs no bound, so it is cut off first. And the cost of each axis alone
 may say nothing of all together: two that are harmless alone can let a divisor pass zero. There each

@@ -97,11 +97,12 @@ def _of_some(part: ProvedOfSome, count: int) -> Iterator[Html | str]:
     ranges = "; ".join(_range(name, one) for name, one in part.ranges.items())
     where = f": {ranges}" if ranges else ", of which the proof file has the pairs"
     yield tag("b", f"Proved for some of these commands only{where}. ")
-    yield "There "
+    yield "There, "
     if part.level:
         yield _statements(part.level)
     else:
-        yield f"{part.conditions} of {count} conditions hold at every state of their regions"
+        conditions = f"{part.conditions} of {count} conditions hold at every state of their regions"
+        yield certificate_sentences.states_with_commands((), conditions)
     yield ". Of all other commands nothing is proved."
 
 
@@ -117,9 +118,7 @@ def _range(name: str, one: Range) -> str:
 
 
 def _statements(level: int) -> str:
-    return "; ".join(
-        certificate_sentences.states(one, with_commands=True) for one in range(1, level + 1)
-    )
+    return certificate_sentences.states_with_commands(range(1, level + 1))
 
 
 def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:

@@ -1,4 +1,4 @@
-"""Level 4: the whole robot walks for ever, joints that are off their targets included."""
+"""Level 4: the rigid robot under exact linearisation walks for ever, joints off target included."""
 
 from collections.abc import Iterator
 

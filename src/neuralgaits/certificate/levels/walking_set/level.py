@@ -1,4 +1,4 @@
-"""Level 2: every trajectory that starts in the walking set walks for ever."""
+"""Level 2: every trajectory of the zero dynamics in the walking set walks for ever."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ from neuralgaits.records.certified import Conclusion
 
 
 class WalkingSetLevel(Level):
-    """Level 2: every trajectory that starts in the walking set walks for ever."""
+    """Level 2: every trajectory of the zero dynamics in the walking set walks for ever."""
 
     number = 2
     part = "walking"
