@@ -1,6 +1,7 @@
 """Checks of settings that several verbs share, each refused in one line if it makes no sense."""
 
 import math
+from numbers import Integral
 
 from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
@@ -34,6 +35,15 @@ def listed(what: str, text: str) -> list[str]:
             "comma: drop the comma, or write what is missing"
         )
     return parts
+
+
+def check_walking_steps(steps: object) -> None:
+    """Check the number of walking steps of an episode. Raises: InputError unless it is 1 or more.
+
+    A walk checks it again; here it is refused before anything is opened.
+    """
+    if not isinstance(steps, Integral) or steps < 1:
+        raise InputError(f"--steps: expected a whole number of at least 1, found {steps!r}")
 
 
 def check_walked(name: str, count: int) -> None:
@@ -101,8 +111,8 @@ def check_push(push: float | None) -> None:
     """Check the impulse of a push (N s); None is no push. Raises: InputError if it is too large."""
     if push is not None and not abs(push) <= MOST_PUSH:
         raise InputError(
-            f"expected a push of -{MOST_PUSH:g} to {MOST_PUSH:g} N s, found {push:g}: write "
-            "--push 10"
+            f"expected a push of -{MOST_PUSH:g} to {MOST_PUSH:g} N s, found {push:g}: give an "
+            "impulse in that range, as in --push 10, or leave --push out"
         )
 
 
@@ -125,7 +135,7 @@ def check_bandwidth(bandwidth: float) -> None:
     if not slowest <= bandwidth <= fastest:
         raise InputError(
             f"expected a bandwidth of {slowest:g} to {fastest:g} rad/s, found {bandwidth:g}: write "
-            "--bandwidth 20"
+            "--bandwidth 50"
         )
 
 

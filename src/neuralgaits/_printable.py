@@ -81,3 +81,8 @@ def _escaped(error: UnicodeError) -> tuple[bytes, int]:
 
 
 codecs.register_error(PRINTABLE, _escaped)
+
+
+def counted(count: int, noun: str) -> str:
+    """Write a count with its noun, as in `1 step` and `2 steps`."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -2,6 +2,7 @@
 
 import pytest
 
+from neuralgaits.cli.brief import brief_fit
 from neuralgaits.cli.learning_screen import show_fit
 from neuralgaits.cli.main import main
 from neuralgaits.records.fitted import FitSummary
@@ -40,7 +41,8 @@ def test_a_fit_shows_its_errors_and_what_it_left_out(capsys):
     assert "0.012 0.22" in text
     assert "3 outliers, 740 settling" in text
     assert "missing" not in text
-    assert "neuralgaits refine runs/one" in text
+    brief_fit(FitSummary.of(RESULT))
+    assert "neuralgaits refine runs/one" in capsys.readouterr().out
 
 
 def test_nothing_learned_is_said(capsys):

@@ -76,6 +76,28 @@ def test_what_is_unusual_is_a_warning_and_no_refusal(place, capfd):
     assert json.loads(capfd.readouterr().out)["warnings"] == []
 
 
+@pytest.mark.parametrize(
+    ("limit", "heavy"),
+    [
+        ("2", "the torso (7.1 N m by its weight alone) or a straight leg (2.6 N m by"),
+        ("4", "the torso (7.1 N m by its weight alone) 15"),
+        # It cannot hold the torso level, but nobody walks like that: such gaits were trained.
+        ("12", None),
+    ],
+)
+def test_motors_that_do_not_hold_the_robot_are_a_warning(place, capfd, limit, heavy):
+    text = load_robot("amber3m").layout.xml
+    weak = re.sub(r'ctrlrange="[^"]*"', f'ctrlrange="-{limit} {limit}"', text)
+    assert weak != text
+    (place / "weak.xml").write_text(weak, encoding="utf-8")
+    assert main(["inspect", "weak.xml"]) == 0
+    shown = " ".join(capfd.readouterr().out.split())
+    start = f"warning: motors of {limit} N m at the hips cannot hold "
+    assert (start in shown) == (heavy is not None)
+    if heavy is not None:
+        assert start + heavy in shown and "15 degrees off upright: a gait is unlikely" in shown
+
+
 def test_a_changed_copy_is_trained_in_one_command(place, capfd):
     urdf = door_robots.files()["rabbit-floating.urdf"]
     (place / "robot.urdf").write_text(urdf, encoding="utf-8")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.cli import robot_screen, screen
+from neuralgaits.cli import brief, robot_screen, screen
 from neuralgaits.cli.usage import condense
 from neuralgaits.records.installed import BuiltIn, CatalogueEntry
 from neuralgaits.records.simulated import SimulationSummary
@@ -26,6 +26,7 @@ def test_a_fall_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
         "speed_m_s": 0.65432,
         "poincare": {"multiplier": None, "step_length_m": None},
     }
+    brief.brief_walks(SimulationSummary.of(result))
     screen.show_walks(SimulationSummary.of(result))
     out = capsys.readouterr().out
     assert "falls: 1 of 2 episodes stayed up, 7 to 50 steps" in out
@@ -73,7 +74,7 @@ def test_what_a_walk_met_is_on_its_first_line(capsys: pytest.CaptureFixture[str]
     met = {"push": 10.0, "disturb": {"mass_scale": 1.2, "friction": None}, "plant": "rabbit"}
     walks = {"fell": [False], "steps_walked": [50], "controller": "pd", "plant_given": "rabbit"}
     walks |= {"episodes": 1, "start": "centre", "seed": 0, "fall_reasons": [None]}
-    screen.show_walks(SimulationSummary.of(walks | met))
+    brief.brief_walks(SimulationSummary.of(walks | met))
     (first, *_) = " ".join(capsys.readouterr().out.split()).split("speed")
     assert "under pd in MuJoCo, plant rabbit, push 10 N s, mass_scale=1.2" in first
 
@@ -127,14 +128,14 @@ def test_of_a_gait_that_was_given_no_spec_is_to_be_loosened(
 
 def test_conditions_that_hold_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     conditions = dict.fromkeys("ab", HOLDS)
-    screen.show_training(
+    brief.brief_training(
         TrainingSummary(
             run="runs/a", steps=9, loss=0.0, conditions=conditions, wall_s=23.2, compile_s=18.04
         )
     )
     out = capsys.readouterr().out
     assert out.startswith("trained: all 2 conditions hold on fresh samples")
-    assert "23 s, 18 s compiling" in out
+    assert "23 s, 18 s of it compiling" in out
 
 
 def test_names_are_not_read_as_markup(capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,6 +15,7 @@ from neuralgaits.cli import (
     robot_screen,
     screen,
 )
+from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import ROWS, show_facts, show_sentence, show_table
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.checked import ProofCheck
@@ -26,6 +27,8 @@ from neuralgaits.records.installed import BuiltIn, Machine
 from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary
+from neuralgaits.workflows.demo import TOLD
+from support.shipped_run import SHIPPED
 
 Captured = pytest.CaptureFixture[str]
 Environment = pytest.MonkeyPatch
@@ -311,7 +314,104 @@ def test_what_is_refuted_is_shown_with_its_state(
     lines = _shown("brief proof that is refuted", 2000, capsys, monkeypatch).splitlines()
     assert lines[0].startswith("refuted at level 1")
     assert any(line.startswith("broken") and "z = (" in line for line in lines)
-    assert not any(line.startswith("next") for line in lines)
+    # Its run is not there: the advice is general.
+    assert lines[-1].split(maxsplit=1) == ["next", "neuralgaits train ROBOT --certify"]
+
+
+@pytest.mark.parametrize("name", [*BRIEF, "export"])
+def test_a_command_ends_with_the_next_to_give(
+    name: str, capsys: Captured, monkeypatch: Environment
+) -> None:
+    name = f"brief {name}" if name in BRIEF else name
+    last = _shown(name, 2000, capsys, monkeypatch).splitlines()[-1]
+    assert last.split()[:2] == ["next", "neuralgaits"]
+
+
+@pytest.mark.parametrize(
+    ("run", "verdict", "ending"),
+    [
+        (None, "consistent", f"check-proof {PATH} --run RUN"),
+        ("runs/a", "proved", "export runs/a --out build/c"),
+        ("runs/a", "rejected", "certify runs/a"),
+    ],
+)
+def test_a_checked_proof_is_used_and_another_looked_for(
+    run: str | None, verdict: str, ending: str, capsys: Captured, monkeypatch: Environment
+) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    brief.brief_check(ProofCheck.of(CHECK | {"run": run, "verdict": verdict}))
+    assert capsys.readouterr().out.endswith(f"neuralgaits {ending}\n")
+
+
+@pytest.mark.parametrize("name", ["proof", "check", "training", "fit", "report"])
+def test_verbose_adds_to_the_short_screen(
+    name: str, capsys: Captured, monkeypatch: Environment
+) -> None:
+    """Every line of it stays, but for where the rest is; it comes last."""
+    short, result = BRIEF[name]
+    whole, _ = SCREENS[name]
+    outcome = Outcome(result, True, whole, brief=short)
+    monkeypatch.setenv("COLUMNS", "2000")
+    outcome.show()
+    lines = capsys.readouterr().out.splitlines()
+    outcome.show(verbose=True)
+    more = capsys.readouterr().out
+    assert "-v " not in more
+    ends = more.splitlines()[-len(lines) :]
+    assert len(more.splitlines()) > len(lines)
+    for line, end in zip(lines, ends, strict=True):
+        assert end.startswith(line.partition("; -v ")[0].partition("things")[0])
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {},
+            "level 5: nothing is proved of these laws; a proof of levels 1 to 4 is about the model",
+        ),
+        (
+            {
+                "law_proofs": [
+                    {"law": "fblin", "bandwidth": 30.0, "subject": "fblin", "hold_s": 0.001111}
+                    | {"clock": "touchdown", "reason": None}
+                ]
+            },
+            "level 5 of fblin at 30 rad/s: proved for ticks at most 1.111 ms apart",
+        ),
+    ],
+)
+def test_an_export_says_what_is_proved_of_its_law(
+    changes: dict, words: str, capsys: Captured, monkeypatch: Environment
+) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    export_screen.show_export(ControllerExport.of(EXPORT | changes))
+    out = capsys.readouterr().out
+    assert words in out and out.count("level 5") == 1
+    assert f"next  neuralgaits simulate {PATH} --controller c" in out
+
+
+def test_an_export_names_the_proof_that_its_run_can_have(
+    capsys: Captured, monkeypatch: Environment
+) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    export_screen.show_export(ControllerExport.of(EXPORT | {"run": str(SHIPPED)}))
+    assert f"`neuralgaits certify {SHIPPED} --level 5 --bandwidth 50`" in capsys.readouterr().out
+    # Level 5 is about one gait: with commands there is none to look for.
+    export_screen.show_export(ControllerExport.of(EXPORT | {"run": str(TOLD)}))
+    assert "certify" not in capsys.readouterr().out
+
+
+def test_who_wants_little_room_gets_it(capsys: Captured, monkeypatch: Environment) -> None:
+    """A long cell of another column takes no room from a short one, nor an empty column."""
+    monkeypatch.setenv("COLUMNS", "60")
+    rows = [("double, gcc -O2", "a sentence that is far too long for its column " * 3, "")]
+    show_table(("build", "about", "fix"), rows)
+    assert "double, gcc -O2  a sentence" in capsys.readouterr().out
+    monkeypatch.setenv("COLUMNS", "80")
+    export_screen.show_export(ControllerExport.of(EXPORT))
+    out = capsys.readouterr().out
+    assert out.count("double, clang -O2") == 4 and "µs" in out and " us" not in out
 
 
 def test_a_proof_at_full_order_is_shown_with_the_control_law_that_it_is_about(

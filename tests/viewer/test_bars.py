@@ -17,6 +17,8 @@ def test_bars_have_the_length_of_their_margins():
     assert [">0.50<" in page, ">−0.25<" in page, ">–<" in page] == [True] * 3
     assert page.count(f"background:{BAD.light}") == page.count(BAD.dark) == 1
     assert page.count("opacity:.45") == 1
+    # Beyond the end of a bar only the number tells 1 from 2, so the axis comes first.
+    assert page.index("Bar: 0 to 1 scale of the condition") < page.index(">half<")
 
 
 def test_a_page_without_numbers_says_why():

@@ -1,5 +1,6 @@
 """The monitor of a live page: the answers of `simulate --monitor`, tick by tick, while it walks."""
 
+import math
 import shutil
 from dataclasses import replace
 from types import SimpleNamespace
@@ -10,10 +11,14 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.viewer.live_gait import LiveGait
 from neuralgaits.viewer.live_monitor import LiveMonitor, SetMembership, membership_lines
+from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT
 from neuralgaits.viewer.panel import Panel
+from neuralgaits.viewer.plant_changes import changed_settings
 from neuralgaits.viewer.player import Picture
+from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.sureness import how_sure
 from neuralgaits.workflows.demo import TOLD
 from neuralgaits.workflows.monitor_walk import watched
@@ -135,11 +140,55 @@ def test_the_status_has_the_line_and_none_without_a_proof(unproved):
             memberships=memberships,
             speeds=None,
             lean=None,
+            off_proof="",
         )
         status = Panel.status(panel, Picture(shown, None, False, 1.0, None, None))
         assert status.count("<div") == count
     sure = how_sure(open_run(unproved))
     assert sure.monitor is None and "Inside the proved set" not in sure.words
+
+
+def test_a_changed_floor_or_robot_is_said_and_no_answer_is_green(shipped, gait):
+    """The proof is about the floor and the robot of the file: a slider moves the robot off both."""
+    sure = how_sure(shipped)
+    assert sure.proved_of == "the robot of its file, on a level floor"
+    gait.watch_with(gait._monitor, None, sure.proved_of)
+    gait.tick()
+    panel: Any = SimpleNamespace(_player=SimpleNamespace(speed=1.0), _answer="", _answer_left=0)
+
+    def status():
+        shown = gait.shown()
+        text = Panel.status(panel, Picture(shown, None, False, 1.0, None, None))
+        return shown.off_proof, text.partition("Inside the proved set")[0]
+
+    before = gait.settings
+    off, head = status()
+    assert off == "" and head.rstrip('">').endswith(GOOD.css)
+    gait.disturb("slope_deg", 4.0)
+    gait.disturb("torque_limit", 20.0)
+    off, head = status()
+    assert off == (
+        "Changed: slope 4 deg; torque limit 20 N m. "
+        "The proof is about the robot of its file, on a level floor."
+    )
+    assert TIGHT.css in head and off in head and head.rstrip('">').endswith(QUIET.css)
+    gait.disturb("slope_deg", 0.0)
+    gait.disturb("torque_limit", before["torque_limit"].first)
+    assert status()[0] == ""
+    # What was never proved has nothing to differ from.
+    gait.disturb("mass_scale", 1.5)
+    assert gait.shown().off_proof.startswith("Changed: mass × 1.5. ")
+    gait.watch_with(None)
+    assert gait.shown().off_proof == ""
+
+
+def test_a_floor_as_commanded_is_no_change():
+    slope = Slider("slope [deg]", -6.0, 6.0, 0.0)
+    plant = PlantChanges(slope_deg=2.0)
+    assert changed_settings({"slope_deg": slope}, plant, math.radians(2.0)) == ()
+    said = changed_settings({"slope_deg": slope}, plant, math.radians(1.5))
+    assert said == ("slope 2 deg, commanded 1.50 deg",)
+    assert changed_settings({"slope_deg": slope}, plant) == ("slope 2 deg",)
 
 
 @pytest.fixture

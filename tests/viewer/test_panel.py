@@ -14,8 +14,10 @@ from neuralgaits.simulation.live_tick import StepSpeeds
 from neuralgaits.viewer import limited_sliders, panel
 from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.panel import PUSH, Panel
+from neuralgaits.viewer.plant_sliders import plant_sliders
 from neuralgaits.viewer.player import SPEED, Picture
 from neuralgaits.viewer.slider import Slider
+from neuralgaits.viewer.walk_status import slow_line
 
 FRICTION = Slider("friction", 0.05, 1.5, 0.6)
 
@@ -47,11 +49,11 @@ def typed(slider, value):
     slider._impl.value, slider._impl.update_timestamp = value, time.time()
 
 
-def frame(made, laps=(), speeds=None, lean=None):
+def frame(made, laps=(), speeds=None, lean=None, off_proof=""):
     shown: Any = SimpleNamespace(
         steps=0, speed=0.0, time=0.0, walked=0.0, fall=None, laps=laps, memberships=()
     )
-    shown.speeds, shown.lean = speeds, lean
+    shown.speeds, shown.lean, shown.off_proof = speeds, lean, off_proof
     made.show(Picture(shown, None, False, 1.0, None, None))
 
 
@@ -226,9 +228,20 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
     shown: Any = SimpleNamespace(
         fall="too slow", upright=upright, steps=4, speed=0.0, time=0.0, walked=0.0, memberships=()
     )
-    shown.speeds = shown.lean = None
+    shown.speeds, shown.lean, shown.off_proof = None, None, ""
     picture: Any = SimpleNamespace(shown=shown, reset_in=left, paused=False, pace=1.0)
     assert words in made.status(picture)
+
+
+@pytest.mark.parametrize(
+    ("pace", "words"), [(0.004, "Plays below ×0.01: this"), (0.31, "Plays at ×0.31: this")]
+)
+def test_a_slow_machine_does_not_play_at_zero(pace, words):
+    assert words in slow_line(pace, 1.0)
+
+
+def test_the_torque_slider_is_of_a_limit():
+    assert plant_sliders(0.6, 41.0)["torque_limit"].label == "torque limit [N m]"
 
 
 @pytest.mark.parametrize(

@@ -81,8 +81,8 @@ def test_a_state_off_the_board_is_on_none_of_its_places(plane):
     below = np.array([middle[0], plane.low[1] - 0.1])
     trail = np.array([middle, below, [np.nan, np.nan]])
     np.testing.assert_array_equal(plane.in_view(trail), [True, False, False])
-    assert plane.beyond(below) == "▼ below the board"
-    assert plane.beyond(plane.high + np.array([1e-3, 0.0])) == "► right of the board"
+    assert plane.beyond(below) == "▼ below the chart"
+    assert plane.beyond(plane.high + np.array([1e-3, 0.0])) == "► right of the chart"
 
 
 def test_the_walk_and_the_orbit_have_the_colours_of_the_report(drawn, plane):

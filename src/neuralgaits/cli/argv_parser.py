@@ -65,6 +65,8 @@ def read(words: list[str]) -> Verb:
     refuse_misspelt(words, _VERBS)
     if words[0] in _VERBS and {"-h", "--help"} & set(words):
         _let_help_flow(_VERBS[words[0]])
+        # The help of a verb leaves out what is given already, as a run.
+        words = [words[0], "--help"]
     return tyro.cli(
         _SUBCOMMANDS,  # type: ignore[arg-type]
         prog="neuralgaits",

@@ -1,6 +1,7 @@
 """The few lines that a command ends with: the answer, its key numbers, what to open and do next.
 
-At most six lines each, long ones wrapped. `-v` prints the whole result instead, `--json` all of it.
+At most six lines each, long ones wrapped. `-v` prints the rest above them, `--json` all of it. With
+`hint` a line says so.
 """
 
 from collections.abc import Sequence
@@ -11,6 +12,7 @@ from rich.text import Text
 
 from neuralgaits._digits import at_least
 from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, verdict
+from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.checked import ProofCheck
 from neuralgaits.records.fitted import FitSummary
@@ -18,16 +20,24 @@ from neuralgaits.records.level_words import FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary
+from neuralgaits.runs import RunFolder
+from neuralgaits.runs.names import CONFIG
 from neuralgaits.runs.shell_words import command, named
 
 _MORE = "-v prints more"
 
 
-def brief_training(result: TrainingSummary) -> None:
+def _hinted(text: str, hint: bool, joint: str = "; ") -> str:
+    """Return a line that ends with how to get the rest, if that is not there already."""
+    return f"{text}{joint}{_MORE}" if hint else text
+
+
+def brief_training(result: TrainingSummary, *, hint: bool = True) -> None:
     """Print whether a training's conditions hold on fresh samples, and what to do next."""
     assert not result.broken  # A training that failed is shown whole.
     count = len(result.conditions)
-    show_sentence(Text("trained", "green"), f": all {count} conditions hold on fresh samples")
+    sentence = "its condition holds" if count == 1 else f"all {count} conditions hold"
+    show_sentence(Text("trained", "green"), f": {sentence} on fresh samples")
     facts: list[tuple[str, Any]] = []
     if result.certificate is not None:
         margin = result.certificate.smallest_margin
@@ -46,7 +56,7 @@ def brief_training(result: TrainingSummary) -> None:
     show_facts(facts)
 
 
-def brief_walks(result: SimulationSummary) -> None:
+def brief_walks(result: SimulationSummary, *, hint: bool = True) -> None:
     """Print how many walks stayed up, how fast they went, and what made others fall."""
     count, steps = len(result.fell), result.steps_walked or (0,)
     span = f"{min(steps)}" if len(set(steps)) == 1 else f"{min(steps)} to {max(steps)}"
@@ -72,7 +82,8 @@ def brief_walks(result: SimulationSummary) -> None:
     if result.push and (fallen := result.fell_after_push):
         reasons.append(f"{len(fallen)} after the push of {number(result.push)} N s")
     facts: list[tuple[str, Any]] = [("fell", ", ".join(reasons))] if reasons else []
-    facts.append(("figures", ", ".join([*numbers, _MORE])))
+    if line := ", ".join([*numbers, *([_MORE] if hint else [])]):
+        facts.append(("figures", line))
     if share := result.saturated_fraction:
         facts.append(("torque", f"at its limit in {share:.1%} of ticks"))
     if (link := result.link) is not None and link.deadline_misses:
@@ -103,7 +114,7 @@ def _after_walks(result: SimulationSummary) -> str:
     return command("report" if proved else "certify", named(result.run))
 
 
-def brief_proof(result: CertificateRecord) -> None:
+def brief_proof(result: CertificateRecord, *, hint: bool = True) -> None:
     """Print what is proved, or which conditions are not, and where the proof is."""
     entries = result.conditions
     open_ = [name for name, one in entries.items() if not one.proved_as_requested]
@@ -147,11 +158,26 @@ def brief_proof(result: CertificateRecord) -> None:
         else:
             subject = "the model with every joint exactly where the gait wants it"
         facts.append(("about", subject))
-    facts.append(("boxes", f"{result.boxes} bounded, {result.wall_s:.0f} s in all; {_MORE}"))
+    facts.append(("boxes", _hinted(f"{result.boxes} bounded, {result.wall_s:.0f} s in all", hint)))
     facts += [("proof", result.proof)] if result.proof else []
-    if result.proved_level:
-        facts.append(("next", command("report", named(result.run))))
+    facts.append(("next", _after_proof(result)))
     show_facts(facts)
+
+
+def _after_proof(result: CertificateRecord) -> str:
+    """Return the command to give next: read about what is proved, or train where nothing is."""
+    if result.proved_level:
+        return command("report", named(result.run))
+    if result.verdict != "refuted":
+        return command("certify", named(result.run), "--resume")
+    from neuralgaits.report.page import repeat_commands
+
+    try:
+        folder = RunFolder.open(Path(result.run))
+        again = repeat_commands.another_seed(folder)
+        return again or command("train", repeat_commands.robot_word(folder), "--certify")
+    except RunError:
+        return command("train", "ROBOT", "--certify")
 
 
 def _arithmetic(result: ProofCheck) -> str:
@@ -163,23 +189,45 @@ def _arithmetic(result: ProofCheck) -> str:
     return "in doubles"
 
 
-def brief_check(result: ProofCheck) -> None:
+def brief_check(result: ProofCheck, *, hint: bool = True) -> None:
     """Print the verdict on a proof file, what it is about, and that it rests on assumptions."""
     reason = f": {result.reason}" if result.reason else ""
     show_sentence(verdict(result.verdict), reason)
     levels = (f"level {one.level} {one.verdict}" for one in result.levels)
     above = "".join(f", {level}" for level in levels)
+    unclaimed = f"; none of {_list(result.unclaimed)}" if result.unclaimed else ""
     facts = [
         ("about", f"{result.robot}, spec {result.spec}, weights {result.weights_sha256[:12]}..."),
-        ("claims", f"{len(result.statements)} bounds{above}"),
-        *([("open", _list(result.unclaimed))] if result.unclaimed else []),
+        ("claims", f"{len(result.statements)} bounds{above}{unclaimed}"),
         ("boxes", f"{result.boxes} bounded in {result.wall_s:.0f} s, {_arithmetic(result)}"),
-        ("assumes", f"{len(result.assumptions)} things; -v prints them and every statement"),
+        ("assumes", _assumed(len(result.assumptions), hint)),
+        ("next", _after_check(result)),
     ]
     show_facts(facts)
 
 
-def brief_fit(result: FitSummary) -> None:
+def _assumed(count: int, hint: bool) -> str:
+    things = f"{count} thing{'' if count == 1 else 's'}"
+    return f"{things}; -v prints them and every statement" if hint else f"{things}, listed above"
+
+
+def _after_check(result: ProofCheck) -> str:
+    """Return the command to give next: of a proof of a run, use it; otherwise, name the run."""
+    if result.run is None:
+        own = Path(result.proof).parent.parent
+        run = named(own) if (own / CONFIG).is_file() else "RUN"
+        return command("check-proof", named(result.proof), "--run", run)
+    if result.verdict != "proved":
+        return command("certify", named(result.run))
+    from neuralgaits.systems.family_tasks import family_of_run
+
+    if family_of_run(result.run) is not None:
+        # Not every family has an export.
+        return command("report", named(result.run))
+    return command("export", named(result.run), "--out", "build/c")
+
+
+def brief_fit(result: FitSummary, *, hint: bool = True) -> None:
     """Print by how much a residual lowers the prediction error, and what error it leaves."""
     learned, nominal = result.heldout_error, result.nominal_heldout_error
     if result.better and nominal and learned is not None:
@@ -198,23 +246,26 @@ def brief_fit(result: FitSummary) -> None:
     show_facts(
         [
             ("left", f"remaining error bound on dz: {bound or 'unknown'}"),
-            ("used", f"{result.walked_s:.1f} s of walking; {_MORE}"),
+            ("used", _hinted(f"{result.walked_s:.1f} s of walking", hint)),
             ("residual", result.residual),
             ("next", command("refine", named(result.run))),
         ]
     )
 
 
-def brief_report(result: ReportRecord) -> None:
+def brief_report(result: ReportRecord, *, hint: bool = True) -> None:
     """Print the page to open, what is damaged, and how much could still be made."""
     size = f"{len(result.figures)} figures, {result.bytes / 1e6:.1f} MB, opens without a network"
     show_sentence(Text("written", "green"), f": {size}")
     facts = [("open", result.report)]
     if result.damaged:
-        facts.append(("damaged", f"{_list(list(result.damaged))}; {_MORE}"))
-    show_facts(facts)
+        facts.append(("damaged", _hinted(_list(list(result.damaged)), hint)))
     if result.missing:
-        show_sentence(f"{len(result.missing)} optional parts are not made yet; -v lists them")
+        count = len(result.missing)
+        what = f"{count} optional part{'' if count == 1 else 's'} not made yet"
+        facts.append(("missing", f"{what}; {'-v lists them' if hint else 'listed above'}"))
+    facts.append(("next", command("view", named(result.run))))
+    show_facts(facts)
 
 
 def _list(names: Sequence[str]) -> str:

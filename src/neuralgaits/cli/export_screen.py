@@ -1,11 +1,14 @@
 """The result of an export as tables for a person, on stdout."""
 
+import contextlib
 from collections.abc import Sequence
+from pathlib import Path
 
 from rich.text import Text
 
 from neuralgaits._digits import at_most
-from neuralgaits.cli.screen_tables import show_sentence, show_table
+from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
+from neuralgaits.errors import RunError
 from neuralgaits.records.exported import (
     Agreement,
     ControllerExport,
@@ -18,6 +21,10 @@ from neuralgaits.records.exported import (
     UncheckedExport,
 )
 from neuralgaits.records.law_proof import summary_of
+from neuralgaits.records.level_words import DISTURBED_LEVEL
+from neuralgaits.records.training_config import config_of
+from neuralgaits.runs import RunFolder
+from neuralgaits.runs.shell_words import command, named
 
 
 def show_export(result: ExportRecord) -> None:
@@ -40,6 +47,43 @@ def show_export(result: ExportRecord) -> None:
     if (words := summary_of(result.law_proofs)) is not None:
         colour = "green" if any(one.proved for one in result.law_proofs) else "yellow"
         show_sentence(Text("level 5", colour), f" of {words}")
+    else:
+        _show_unproved(result)
+    show_facts([("next", _after_export(result))])
+
+
+def _show_unproved(result: ExportRecord) -> None:
+    """Say that no proof is about what was written, and which could be."""
+    if isinstance(result, QueryExport):
+        # Its queries are what is to be proved.
+        return
+    if isinstance(result, ModelExport):
+        show_sentence(Text("level 5", "yellow"), ": nothing is proved, a policy is no control law")
+        return
+    looks = ""
+    with contextlib.suppress(RunError):
+        if config_of(RunFolder.open(Path(result.run))).last_level >= DISTURBED_LEVEL:
+            width = result.bandwidth or 50.0
+            asked = command(
+                "certify", named(result.run), "--level", "5", "--bandwidth", f"{width:g}"
+            )
+            looks = f" `{asked}` looks for a proof of fblin as written with the same --bandwidth."
+    show_sentence(
+        Text("level 5", "yellow"),
+        ": nothing is proved of these laws; a proof of levels 1 to 4 is about the model under "
+        f"control of its own.{looks}",
+    )
+
+
+def _after_export(result: ExportRecord) -> str:
+    """Return the command to give next: walk what was written, or make that possible."""
+    if isinstance(result, UncheckedExport):
+        return command("doctor")
+    if isinstance(result, QueryExport):
+        return command("certify", named(result.run))
+    if isinstance(result, ModelExport):
+        return command("simulate", named(result.run))
+    return command("simulate", named(result.run), "--controller", "c")
 
 
 def _agrees(states: int, count: str) -> None:
@@ -50,7 +94,7 @@ def _show_controller(result: ControllerExport) -> None:
     laws = [name for name in result.builds[0].latency_us if name in result.laws]
     if result.monitor is not None:
         _show_monitor(result.monitor)
-    head = ("build", "y_d", "torque", "policy us")
+    head = ("build", "y_d", "torque", "policy µs")
     rows = []
     for build in result.builds:
         times = build.latency_us
@@ -62,7 +106,7 @@ def _show_controller(result: ControllerExport) -> None:
                 *(f"{times[name].p99:.3g}" for name in ("policy", *laws)),
             )
         )
-    show_table((*head, *(f"{name} us" for name in laws)), rows)
+    show_table((*head, *(f"{name} µs" for name in laws)), rows)
     show_sentence("Largest distances are shares of range and limit; times are p99, of whole ticks.")
     for precision, sizes in result.sizes.items():
         show_sentence(
@@ -79,7 +123,7 @@ def _show_monitor(monitor: MonitorExport) -> None:
     first = monitor.builds[0]
     show_sentence(
         f"monitor of the sets of level {', '.join(map(str, monitor.levels))}: agrees with "
-        f"Python on {monitor.states} states; an answer takes {first.answer_us.p50:.3g} us"
+        f"Python on {monitor.states} states; an answer takes {first.answer_us.p50:.3g} µs"
     )
 
 
@@ -94,7 +138,7 @@ def _show_models(models: Sequence[Model]) -> None:
         )
         for model in models
     ]
-    show_table(("model", "y_d, of its range", "p50 us", "p99 us", "bytes"), rows)
+    show_table(("model", "y_d, of its range", "p50 µs", "p99 µs", "bytes"), rows)
     show_sentence(f"{models[0].runtime}, one thread, called from Python")
 
 

@@ -26,14 +26,15 @@ def outcome_of_family(verb: Any, name: str) -> Outcome | None:
         return None
     with _progress(name, quiet=verb.output.json) as progress:
         result = task(progress)
-    brief = partial(_show, result)
-    whole = show_proof if isinstance(result.result, CertificateRecord) else brief
-    return Outcome(result.result, result.good, whole, result.undecided, brief)
+    show = partial(_show, result)
+    if not isinstance(result.result, CertificateRecord):
+        return Outcome(result.result, result.good, show, result.undecided)
+    return Outcome(result.result, result.good, show_proof, result.undecided, show)
 
 
-def _show(outcome: VerbResult, result: Any) -> None:
+def _show(outcome: VerbResult, result: Any, *, hint: bool = True) -> None:
     """Show the answer of a family's verb, then its screen."""
-    del result
+    del result, hint
     screen = outcome.screen
     if screen.answer:
         colour = "green" if outcome.good else "yellow" if outcome.undecided else "red"

@@ -4,7 +4,6 @@ from rich.text import Text
 
 from neuralgaits.cli.screen_tables import short, show_facts, show_sentence, show_table
 from neuralgaits.records.fitted import FitSummary, TouchdownErrors
-from neuralgaits.runs.shell_words import command, named
 
 
 def show_fit(result: FitSummary) -> None:
@@ -38,8 +37,6 @@ def show_fit(result: FitSummary) -> None:
             ("rows left out", out or "none"),
             *(("computed", what) for what in result.computed),
             ("time", f"{result.wall_s:.0f} s"),
-            ("residual", result.residual),
-            ("next", command("refine", named(result.run))),
         ]
     )
 

@@ -12,8 +12,9 @@ class Outcome:
     Attributes:
         result: record that `--json` prints.
         good: False if the answer is no.
-        table: function that shows the whole result to a person.
-        brief: function that shows its key lines; None if the whole is that short.
+        table: function that shows the whole result to a person; with `brief`, what that leaves out.
+        brief: function that shows its key lines, with `hint` also how to get the rest; None if
+            the whole is that short.
         undecided: True if there is no answer.
         then: function to run after the answer is printed, such as serving a page; None for nothing.
     """
@@ -22,10 +23,13 @@ class Outcome:
     good: bool
     table: Callable[[Any], None]
     undecided: bool = False
-    brief: Callable[[Any], None] | None = None
+    brief: Callable[..., None] | None = None
     then: Callable[[], None] | None = None
 
     def show(self, *, verbose: bool = False) -> None:
-        """Print the result for a person on stdout, in full if `verbose`."""
-        show = self.table if verbose or self.brief is None else self.brief
-        show(self.result)
+        """Print the result for a person on stdout; if `verbose`, in full above the key lines."""
+        if verbose or self.brief is None:
+            self.table(self.result)
+        if self.brief is not None:
+            # Last, so that the command to give next ends either screen.
+            self.brief(self.result, hint=not verbose)

@@ -25,7 +25,10 @@ _INDENT = 2
 
 
 def show_proof(result: CertificateRecord) -> None:
-    """Show each condition's verdict, with its margin (in scales) or a state that violates it."""
+    """Show each condition's verdict, with its margin (in scales) or a state that violates it.
+
+    The verdict on all of them is on the short screen, which follows.
+    """
     conditions = sorted(result.conditions.items(), key=_urgency)
     head = ("condition", "verdict", "proved", "margin", "boxes", "")
     show_table(head, [_row(name, entry) for name, entry in conditions[:ROWS]])
@@ -42,18 +45,12 @@ def show_proof(result: CertificateRecord) -> None:
             )
         show_sentence(f"and {len(others)} more, {what}; --json has all")
     _show_levels(result.levels)
-    reason = f": {result.reason}" if result.reason else ""
-    request = f" at level {result.level}"
-    if result.verdict == "refuted" and result.level > 1:
-        # What is refuted is a condition; nothing above stands on it.
-        request = f" at level 1, level {result.level} was requested"
-    show_sentence(verdict(result.verdict), f"{request}{reason}")
-    facts: list[tuple[str, Any]] = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
+    facts: list[tuple[str, Any]] = []
     if result.robots is not None:
         facts.append(("robots", f"all {result.all_robots}"))
     if result.ground is not None:
         facts.append(("floor", result.ground))
-    facts += [("proof", result.proof), ("map", result.map)]
+    facts += [("map", result.map)]
     show_facts(facts)
 
 
@@ -77,9 +74,7 @@ def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
 
 
 def show_check(result: ProofCheck) -> None:
-    """Show the verdict and its reason, the claims of the file, and their assumptions."""
-    reason = f": {result.reason}" if result.reason else ""
-    show_sentence(verdict(result.verdict), reason)
+    """Show the claims of the file, and their assumptions; the verdict is on the short screen."""
     weights = f"weights of sha256 {result.weights_sha256[:12]}..."
     show_sentence(f"claims for {result.robot}, spec {result.spec}, {weights}")
     statements = result.statements
@@ -97,8 +92,6 @@ def show_check(result: ProofCheck) -> None:
     show_sentence("assuming that")
     for assumption in result.assumptions:
         show_sentence(assumption, indent=_INDENT, hang=_INDENT)
-    boxes = f"{result.boxes}, {result.boxes_in_balls} of them in balls"
-    show_facts([("boxes", boxes), ("time", f"{result.wall_s:.0f} s")])
 
 
 def _show_levels(levels: Sequence[Conclusion]) -> None:

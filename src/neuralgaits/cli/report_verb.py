@@ -1,7 +1,5 @@
 """Verb that writes the report of a run."""
 
-from rich.text import Text
-
 from neuralgaits.cli.arguments import ReportOptions
 from neuralgaits.cli.brief import brief_report
 from neuralgaits.cli.outcome import Outcome
@@ -21,16 +19,12 @@ def carry_out_report(verb: ReportOptions) -> Outcome:
 
 
 def show_report(result: ReportRecord) -> None:
-    """Show where the page is, what is in it, and which commands would add the missing parts."""
-    size = result.bytes / 1e6
-    sentence = f": {len(result.figures)} figures, {size:.1f} MB, opens without a network"
-    show_sentence(Text("written", "green"), sentence)
-    facts = [("report", result.report)]
-    facts += [("damaged", f"{file}: {reason}") for file, reason in result.damaged.items()]
-    show_facts(facts)
+    """Show what could not be read, and every part that is not made yet with its command."""
+    show_facts([("damaged", f"{file}: {reason}") for file, reason in result.damaged.items()])
     missing: dict[str, list[str]] = {}
     for entry in result.missing:
         missing.setdefault(entry.command, []).append(entry.what)
     for command, what in missing.items():
-        show_sentence(f"not there: {'; '.join(what)}", hang=2)
+        for one in what:
+            show_sentence(f"not made yet: {one}", hang=2)
         show_facts([("", command)])

@@ -23,11 +23,11 @@ from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingProof, TrainingSummary
 from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.shell_words import command, named
+from neuralgaits.runs.shell_words import command
 
 
 def show_training(result: TrainingSummary) -> None:
-    """Show whether the conditions hold on fresh samples, which ones fail, and what to do next."""
+    """Show which conditions fail and what to do next, or what the short screen leaves out."""
     broken = result.broken
     if broken:
         count = Text(f"{len(broken)} of {len(result.conditions)} conditions fail", "yellow")
@@ -37,20 +37,18 @@ def show_training(result: TrainingSummary) -> None:
             (name, number(entry.mean_violation), number(entry.max_violation))
             for name, entry in worst
         ]
-        show_table(("condition", "mean violation", "max violation, in scales"), rows[:ROWS])
+        show_table(
+            ("condition", "mean violation, in scales", "max violation, in scales"), rows[:ROWS]
+        )
         if len(rows) > ROWS:
             show_sentence(f"and {len(rows) - ROWS} more, by {rows[ROWS][2]} at most")
         show_facts(_to_mend(result, worst[0][0]))
-    else:
-        count = len(result.conditions)
-        sentence = "its condition holds" if count == 1 else f"all {count} conditions hold"
-        show_sentence(Text("trained", "green"), f": {sentence} on fresh samples")
     if result.certificate is not None:
         show_sentence(_proof_of_training(result.certificate))
     facts = [(name, getattr(result, name)) for name in ("robot", "spec", "seed")]
     if result.loss is not None:
         facts.append(("loss", f"{number(result.loss)} on fresh samples"))
-    if "speed" in result.commands:
+    if broken and "speed" in result.commands:
         requested, measured = result.commands["speed"], result.orbit_speeds_m_s
         orbits = (
             "no orbit" if measured is None else f"orbits at {measured[0]:.3g} to {measured[1]:.3g}"
@@ -59,10 +57,9 @@ def show_training(result: TrainingSummary) -> None:
     if result.step_size < 1.0:
         rate = f"{result.step_size:.2g} of the usual one: larger steps met NaN"
         facts.append(("learning rate", rate))
-    facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
-    facts.append(("run", result.run))
-    if not result.broken:
-        facts.append(("next", command("simulate", named(result.run))))
+    if broken:
+        facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
+        facts.append(("run", result.run))
     show_facts(facts)
 
 
@@ -102,15 +99,8 @@ def _proof_of_training(proof: TrainingProof) -> Text:
 
 
 def show_walks(result: SimulationSummary) -> None:
-    """Show how far each episode came, what stopped it, and the gait's figures."""
-    walks, count = result.steps_walked, len(result.fell)
-    span = _span(walks or (0,))
-    answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
-    show_sentence(
-        answer,
-        f": {result.stayed} of {count} episodes stayed up, "
-        f"{span} step{'' if span == '1' else 's'}, {result.walked_by}{result.met}",
-    )
+    """Show what stopped each episode, and the gait's figures; the short screen follows."""
+    count = len(result.fell)
     reasons = Counter(reason for reason in result.fall_reasons if reason is not None)
     show_table(("fell because", "episodes"), [(why, str(n)) for why, n in reasons.items()])
     if result.push and (fallen := result.fell_after_push):
@@ -200,7 +190,7 @@ def _link(link: LinkFigures) -> None:
     words = (
         f"{link.law} {place}, {link.mode}: {link.ticks} ticks, "
         f"{link.packets_lost} of {link.packets_sent} packets lost, "
-        f"{link.packets_late} late, round trip {p50:.0f} us, p99 {p99:.0f} us"
+        f"{link.packets_late} late, round trip {p50:.0f} µs, p99 {p99:.0f} µs"
     )
     show_sentence(words)
     if link.deadline_misses:

@@ -70,12 +70,21 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
         for column, width in zip(columns, widths, strict=True)
     ]
     spare = console.width - sum(widths) - _GAP * (len(widths) - 1)
-    share = min(1.0, spare / max(sum(natural), 1))
-    for name, width, more in zip(head, widths, natural, strict=True):
-        table.add_column(name, width=width + int(share * more))
+    for name, width, more in zip(head, widths, _shared_out(spare, natural), strict=True):
+        table.add_column(name, width=width + more)
     for row in cells:
         table.add_row(*row)
     console.print(table)
+
+
+def _shared_out(spare: int, wanted: Sequence[int]) -> list[int]:
+    """Share room out between columns; who wants little gets it, so that few columns wrap."""
+    shares = [0] * len(wanted)
+    by_need = sorted(range(len(wanted)), key=lambda place: wanted[place])
+    for done, place in enumerate(by_need):
+        shares[place] = min(wanted[place], spare // (len(wanted) - done))
+        spare -= shares[place]
+    return shares
 
 
 def show_facts(facts: Iterable[tuple[str, Any]]) -> None:

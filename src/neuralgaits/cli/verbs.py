@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from neuralgaits._environment import render_without_screen
 from neuralgaits.cli import brief, proof_screen, robot_screen, screen
@@ -48,6 +49,9 @@ from neuralgaits.settings import (
     Watch,
 )
 from neuralgaits.settings.options import words_of
+
+if TYPE_CHECKING:
+    from neuralgaits.workflows.simulate import Simulation
 
 
 def carry_out(verb: Verb) -> Outcome:
@@ -109,11 +113,23 @@ def _simulate(verb: SimulateOptions) -> Outcome:
 
     with WorkProgress("walking", quiet=verb.output.json) as progress:
         walks = simulate(**given(verb, SimulateSettings, begun=progress.begun))
-    notes = [walks.plant_note, None if verb.output.json else walks.summary.engine_note]
+    notes = [walks.plant_note]
+    if not verb.output.json:
+        notes += [walks.summary.engine_note, _replaced(walks)]
     for note in filter(None, notes):
         print(note, file=sys.stderr)
     stayed_up = not any(walks.summary.fell)
     return Outcome(walks.summary, stayed_up, screen.show_walks, brief=brief.brief_walks)
+
+
+def _replaced(walks: "Simulation") -> str | None:
+    """Return a note if disturbed walks replaced undisturbed ones; None otherwise."""
+    if not walks.replaces_undisturbed:
+        return None
+    from neuralgaits.runs.shell_words import command, named
+
+    again = command("simulate", named(walks.summary.run))
+    return f"this replaces the undisturbed walk that the report showed; `{again}` brings that back"
 
 
 def _certify(verb: CertifyOptions) -> Outcome:

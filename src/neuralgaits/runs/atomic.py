@@ -43,8 +43,14 @@ def destination(path: Path, remedy: str = _EITHER) -> Path:
     for _ in range(40):
         folder = Path(os.path.realpath(place.parent))
         if folder.is_relative_to(streams):
-            kind = "an open stream" if folder.name == "fd" else "a folder of the system's own"
-            raise InputError(f"expected a file to write, found {kind} at {path}: {remedy}")
+            if folder.name == "fd":
+                raise InputError(
+                    f"expected a file to write, found an open stream at {path}: {remedy}"
+                )
+            raise InputError(
+                f"expected a folder to write to, found {path.parent}, which is the system's own: "
+                "name a folder of yours"
+            )
         place = folder / place.name
         if not place.is_symlink():
             break

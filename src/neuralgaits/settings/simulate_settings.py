@@ -39,8 +39,8 @@ class SimulateSettings(Settings):
     """pd: joint PD with the model's torques; fblin: input-output linearisation; paper: the PD of
     the paper (soft, z2 = 0); clf-qp: a quadratic program with a control Lyapunov function within
     limits of torque and friction; scheduled-pd: PD whose gains and torques are tables of the
-    phase; c: the exported controller as a process of its own. With the supervisor: c, and --link
-    address=HOST:PORT of the firmware in examples/firmware."""
+    phase; c: the exported controller as a process of its own. To walk with the supervisor, use c
+    with --link address=HOST:PORT of the firmware in examples/firmware."""
     bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
     """Double pole w of the output errors under fblin, scheduled-pd or clf-qp: 30, 40 and 30 if not
     given. Level 5 is proved for one w, that of certify --bandwidth."""
@@ -115,6 +115,7 @@ class SimulateSettings(Settings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_walking_steps(self.steps)
         check_walks(self.episodes, self.seed, self.push)
         if self.bandwidth is not None:
             check_bandwidth(self.bandwidth)

@@ -58,8 +58,9 @@ class GaitSettings(Settings):
     robot: OwnRobot = None
     """Name of a built-in robot, or path of an MJCF file; the run's own with --resume."""
     spec: Spec = None
-    """Specification of the gait: walking (if not given), walking-mlp, rugged (faster, for pushes
-    and uneven floors), paper, paper-walks, authors, or FILE.py:NAME."""
+    """Specification of the gait: walking (if not given), walking-mlp, walking-flat-feet (for
+    robots with flat feet, and theirs if not given), rugged (faster, for pushes and uneven floors),
+    paper, paper-walks, authors, or FILE.py:NAME."""
     _: KW_ONLY
     init: Init = None
     """Start from a walking posture (if not given), or from random weights as the paper does."""

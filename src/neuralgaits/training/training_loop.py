@@ -11,12 +11,18 @@ from typing import NoReturn
 import jax
 import numpy as np
 
-from neuralgaits.barriers import GaitSpec
+from neuralgaits.barriers import GaitSpec, specs
 from neuralgaits.errors import NonFiniteError
 from neuralgaits.records.trained import EndedInNan
+from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import NAN, NAN_STATE
 from neuralgaits.runs.shell_words import resuming
+from neuralgaits.training.failing_conditions import (
+    TORQUE_CONDITIONS,
+    failing_conditions,
+    missed_in_words,
+)
 from neuralgaits.training.loss import Loss
 from neuralgaits.training.train_state import TrainState
 from neuralgaits.training.trainer import VALIDATE_EVERY, Trainer
@@ -141,9 +147,33 @@ class GradientSteps:
         self.folder.write_tree(NAN_STATE, last_good)
         raise NonFiniteError(
             f"expected a finite loss and weights, found NaN or infinity at step {step}, with "
-            f"smaller steps too (conditions: "
-            f"{', '.join(bad) or 'none: the sum or its gradient'}): mend one whose formula, or its "
-            "slope, is not finite, if there is one, or train with another "
+            f"smaller steps too{self._why_nan(trainer, last_good, bad)} "
             f"--seed; state of step {kept_step} kept, reproduce with "
             f"`{resuming(self.folder.path)}`"
+        )
+
+    def _why_nan(self, trainer: Trainer, last_good: TrainState, bad: Sequence[str]) -> str:
+        """Say what may have led to NaN, and what helps, up to the flag of another seed.
+
+        Args:
+            trainer: trainer of the run.
+            last_good: the last good state.
+            bad: conditions whose loss is NaN or infinite.
+        """
+        if not specs.is_built_in(config_of(self.folder).spec):
+            return (
+                f" (conditions: {', '.join(bad) or 'none: the sum or its gradient'}): mend one "
+                "whose formula, or its slope, is not finite, if there is one, or train with another"
+            )
+        # Formulas of the package are not what has to be mended: the gait itself runs away.
+        names = failing_conditions(trainer, last_good)
+        if not names:
+            return ": train with another"
+        at = f"; at step {int(last_good.step)}, the last finite state, {missed_in_words(names)}"
+        if not any(name in TORQUE_CONDITIONS for name in names):
+            return f"{at}: train with another"
+        limit = float(np.max(np.asarray(trainer.robot.torque_limit)))
+        return (
+            f"{at}: the motors (at most {limit:g} N m) may be too weak for this robot: raise their "
+            "limits if the real ones have more torque, or train with another"
         )

@@ -24,12 +24,16 @@ def render(names: Sequence[str], margins: Margins, words: Mapping[str, str] | No
         _row(name, float(value), bool(inside), (words or {}).get(name, ""))
         for name, value, inside in zip(names, margins.values, margins.inside, strict=True)
     ]
+    axis = (
+        '<div style="opacity:.7;margin-bottom:3px;line-height:1.35">Bar: 0 to 1 scale of the '
+        "condition; the number goes on beyond 1.</div>"
+    )
     key = (
         '<div style="opacity:.7;margin-top:5px;line-height:1.35">Remaining margin at the robot\'s '
-        "z, in scales of the condition; below 0 it is violated. Pale: z is outside of the region "
+        "z; below 0 the condition is violated. Pale: z is outside of the region "
         "where the condition must hold, and the margin is read near it.</div>"
     )
-    return f'<div style="font-size:11.5px;padding:2px 10px 8px">{"".join(rows)}{key}</div>'
+    return f'<div style="font-size:11.5px;padding:2px 10px 8px">{axis}{"".join(rows)}{key}</div>'
 
 
 def _row(name: str, value: float, inside: bool, words: str) -> str:

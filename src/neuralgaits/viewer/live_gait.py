@@ -12,7 +12,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.control.command_belief import SETTLED
 from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import LEAN, SLOPE, command_named
+from neuralgaits.gait.commands import LEAN, SLOPE, command_named, place_of
 from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.live import LiveWalk
@@ -23,13 +23,17 @@ from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending
-from neuralgaits.viewer.believed_lean import lean_of
+from neuralgaits.viewer.believed_lean import LeanMarks, lean_of
 from neuralgaits.viewer.live_monitor import LiveMonitor
+from neuralgaits.viewer.plant_changes import changed_settings, off_proof_words
 from neuralgaits.viewer.plant_sliders import AHEAD, command_slider, plant_sliders
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
 from neuralgaits.viewer.trail import Trail
 from neuralgaits.viewer.walker import Margins, WalkFrame
+
+_LEAN = 5e-5
+"""Difference of leans that is not shown [m]."""
 
 
 class LiveGait:
@@ -81,6 +85,7 @@ class LiveGait:
         self._look: PointEvaluator | None = None
         self._monitor: LiveMonitor | None = None
         self._beliefs_within: float | None = None
+        self._proved_of = ""
         self._z = self._middle
         self._begun = 0.0
         self._pace, self._trail = StepSpeed(), Trail()
@@ -89,9 +94,21 @@ class LiveGait:
         """Enable live evaluation of margins by this evaluator."""
         self._look = evaluate
 
-    def watch_with(self, monitor: LiveMonitor | None, beliefs_within: float | None = None) -> None:
-        """Show what is proved from now on: ticks in its sets, and the distance of a belief (m)."""
+    def watch_with(
+        self,
+        monitor: LiveMonitor | None,
+        beliefs_within: float | None = None,
+        proved_of: str = "",
+    ) -> None:
+        """Show what is proved from now on.
+
+        Args:
+            monitor: counts the ticks in the proved sets; None if there are none.
+            beliefs_within: distance of a belief up to which something is proved (m).
+            proved_of: robot and floor that the proof is about, in words; "" if nothing is proved.
+        """
         self._monitor, self._beliefs_within = monitor, beliefs_within
+        self._proved_of = proved_of
 
     @property
     def settings(self) -> Mapping[str, Slider]:
@@ -165,6 +182,13 @@ class LiveGait:
         sensors = self._sensors()
         mean = self._pace.mean
         ending: Ending = live.ending
+        lean = lean_of(
+            self.run.trained.commands,
+            live.commands[1],
+            live.plant.disturbance.torso_shift_m,
+            self._beliefs_within,
+            doubted=LEAN in live.control.doubted,
+        )
         return WalkFrame(
             time=live.time,
             walked=live.time - self._begun,
@@ -182,15 +206,21 @@ class LiveGait:
             tops=None if live.course is None else live.course.tops,
             laps=live.laps,
             speeds=live.control.speeds,
-            lean=lean_of(
-                self.run.trained.commands,
-                live.commands[1],
-                live.plant.disturbance.torso_shift_m,
-                self._beliefs_within,
-                doubted=LEAN in live.control.doubted,
-            ),
+            lean=lean,
             memberships=() if self._monitor is None else self._monitor.memberships(),
+            off_proof=self._off_proof(lean),
         )
+
+    def _off_proof(self, lean: LeanMarks | None) -> str:
+        """Say how robot and floor differ from the proof's; "" if they do not."""
+        settings = dict(self.settings)
+        if lean is not None and (lean.covered or abs(lean.true - lean.believed) < _LEAN):
+            # The proof is about robots that lean as they believe, or so nearly.
+            settings.pop(AHEAD, None)
+        place = place_of(self.run.trained.commands, SLOPE)
+        slope = None if place is None else float(self.live.commands[1][place])
+        changes = changed_settings(settings, self.live.plant.disturbance, slope)
+        return off_proof_words(changes, self._proved_of)
 
     @property
     def steps(self) -> int:
@@ -214,7 +244,7 @@ class LiveGait:
             if self._look is None:
                 why = "they are still being computed"
             elif self._elsewhere:
-                why = "the robot gets another command than the gait on the board"
+                why = "the robot gets another command than the gait on the chart"
             elif not np.all(np.isfinite(here)):
                 # The fences' series have no meaning there.
                 why = "the robot's state is far outside of the region"

@@ -11,7 +11,7 @@ from neuralgaits.analysis.step_parameters import step_parameters
 from neuralgaits.records.monitored import margin_in_words
 from neuralgaits.simulation.live_tick import MeasuredTick
 from neuralgaits.simulation.setup.plant import PERIOD_S
-from neuralgaits.viewer.page_style import GOOD, TIGHT, line
+from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT, line
 
 NEAR_TOUCHDOWN_S = 0.005
 """Time around a touchdown in which undisturbed walks leave the sets [s], see docs/monitor.md."""
@@ -123,9 +123,17 @@ class LiveMonitor:
         self._outside[place] = rest[~settled]
 
 
-def membership_lines(memberships: tuple[SetMembership, ...]) -> str:
-    """Return a line of HTML for each set; nothing without a proved set."""
-    return "".join(line(_words(one), GOOD if one.inside else TIGHT) for one in memberships)
+def membership_lines(memberships: tuple[SetMembership, ...], off_proof: bool = False) -> str:
+    """Return a line of HTML for each set; nothing without a proved set.
+
+    Args:
+        memberships: answers of the monitor.
+        off_proof: whether robot or floor are not those of the proof: then no answer is green.
+    """
+    return "".join(
+        line(_words(one), QUIET if off_proof else GOOD if one.inside else TIGHT)
+        for one in memberships
+    )
 
 
 def _words(one: SetMembership) -> str:

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 import viser
 
+from neuralgaits._printable import counted
 from neuralgaits.control.command_belief import SETTLED
 from neuralgaits.viewer import bars, page_style
 from neuralgaits.viewer.believed_lean import lean_html
@@ -235,7 +236,10 @@ class Panel:
         """Return the lines about the walk, as HTML."""
         shown: WalkFrame = picture.shown
         lines = walk_line(picture, shown, self._player.speed)
-        estimates = _speeds(shown) + lean_html(shown.lean) + membership_lines(shown.memberships)
+        estimates = _speeds(shown) + lean_html(shown.lean)
+        if shown.off_proof:
+            estimates += line(shown.off_proof, TIGHT)
+        estimates += membership_lines(shown.memberships, off_proof=bool(shown.off_proof))
         answer = line(self._answer, SAID) if self._answer_left else ""
         return lines + estimates + answer
 
@@ -245,7 +249,8 @@ class Panel:
         if len(laps) == self._laps:
             return None
         self._laps = len(laps)
-        return f"End of the ground after {laps[-1]} steps: the robot is back at its beginning."
+        steps = counted(laps[-1], "step")
+        return f"End of the ground after {steps}: the robot is back at its beginning."
 
 
 def _speeds(shown: WalkFrame) -> str:

@@ -77,10 +77,10 @@ class Portrait:
     def beyond(self, z: Float[np.ndarray, "2"]) -> str | None:
         """Return in words on which side a state is off the picture; None if it is in view."""
         sides = (
-            (z[1] > self.high[1], "▲ above the board"),
-            (z[1] < self.low[1], "▼ below the board"),
-            (z[0] < self.low[0], "◄ left of the board"),
-            (z[0] > self.high[0], "► right of the board"),
+            (z[1] > self.high[1], "▲ above the chart"),
+            (z[1] < self.low[1], "▼ below the chart"),
+            (z[0] < self.low[0], "◄ left of the chart"),
+            (z[0] > self.high[0], "► right of the chart"),
         )
         return next((words for is_there, words in sides if is_there), None)
 

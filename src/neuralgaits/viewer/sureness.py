@@ -11,13 +11,16 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     read_certificate,
 )
 from neuralgaits.errors import SpecError
-from neuralgaits.gait.commands import LEAN
+from neuralgaits.gait.commands import LEAN, SLOPE
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.level_words import HIGHEST
 from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown
+
+_OF_THE_FLOOR = {SLOPE, "step_height"}
+"""Commands that tell the gait how the floor lies."""
 
 
 class Sureness(NamedTuple):
@@ -38,6 +41,8 @@ class Sureness(NamedTuple):
     beliefs_within: float | None = None
     """Distance of a robot from its believed lean up to which the proof file states level 2 or more
     [m]; None if it states none for all commands."""
+    proved_of: str = ""
+    """Robot and floor that the proof is about, in words; empty if nothing is proved."""
 
 
 def how_sure(run: Run) -> Sureness:
@@ -76,7 +81,32 @@ def how_sure(run: Run) -> Sureness:
         text += f"\n\n{comparison}"
     within = reading.summary.parameters.get(LEAN) if reading.summary.proved_level >= 2 else None
     theorem = _theorem(reading.summary)
-    return Sureness(True, verdict, text, reading.map_fits, theorem, monitor, within)
+    return Sureness(
+        True,
+        verdict,
+        text,
+        reading.map_fits,
+        theorem,
+        monitor,
+        within,
+        _proved_of(run, reading.summary, reading.part),
+    )
+
+
+def _proved_of(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> str:
+    """Name robot and floor that a proof is about; "" if nothing is proved."""
+    if not answer.proved_level and not (part is not None and part.conditions):
+        return ""
+    robots = answer.all_robots
+    commands = {one.name for one in run.trained.commands}
+    robot = "the robot of its file" if robots is None else f"robots {robots}"
+    if robots is None and LEAN in commands:
+        robot = "a robot that leans as it believes"
+    if answer.ground:
+        return f"{robot}, on floors with {answer.ground}"
+    if commands & _OF_THE_FLOOR:
+        return f"{robot}, on the floor of its commands"
+    return f"{robot}, on a level floor"
 
 
 def _monitor(run: Run, reading: CertificateReading) -> StateMonitor | None:

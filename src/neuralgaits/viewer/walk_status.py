@@ -2,6 +2,7 @@
 
 from typing import Protocol
 
+from neuralgaits._printable import counted
 from neuralgaits.viewer.page_style import BAD, GOOD, QUIET, TIGHT, line
 from neuralgaits.viewer.player import Picture
 
@@ -55,7 +56,8 @@ def slow_line(pace: float, speed: float) -> str:
         speed: playback speed that was asked for, × real time.
     """
     wanted = "real time" if speed == 1.0 else f"×{speed:g}"
-    return line(f"Plays at ×{pace:.2f}: this machine is too slow for {wanted}", TIGHT)
+    reached = "below ×0.01" if pace < 0.01 else f"at ×{pace:.2f}"
+    return line(f"Plays {reached}: this machine is too slow for {wanted}", TIGHT)
 
 
 def ended(shown: WalkFacts, left: float | None) -> str:
@@ -66,6 +68,6 @@ def ended(shown: WalkFacts, left: float | None) -> str:
         left: time until the robot is put back (s); None if the visitor does that.
     """
     what = "Stopped" if shown.upright else "Fell"
-    text = f"{what}: {shown.fall}, after {shown.steps} steps. "
+    text = f"{what}: {shown.fall}, after {counted(shown.steps, 'step')}. "
     text += "Press Reset" if left is None else f"Reset in {left:.0f} s"
     return text + ("; push it forward where it slows down." if shown.upright else ".")

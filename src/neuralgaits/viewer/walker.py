@@ -51,6 +51,9 @@ class WalkFrame(NamedTuple):
     """Lean that the robot believes in, beside the true one; None if the gait takes none."""
     memberships: tuple[SetMembership, ...] = ()
     """Answers of the monitor for each proved set; () if none is proved."""
+    off_proof: str = ""
+    """How robot and floor differ from those that the proof is about, in words; empty if they do
+    not, or if nothing is proved."""
 
 
 class Margins(NamedTuple):

@@ -1,5 +1,8 @@
 """Contents of a robot file in the terms of the theory."""
 
+import math
+from collections.abc import Sequence
+
 import jax.numpy as jnp
 import numpy as np
 
@@ -10,6 +13,9 @@ from neuralgaits.records.inspected import FlatFeetFacts, LinkFacts, MotorFacts, 
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import bodies_from_text, links_from_text
 from neuralgaits.robots.mjcf.world_geoms import obstacles_left_out
+
+_HELD_DEG = 15.0
+"""Angle at which a torso, or a leg, is held [deg]: as far as a torso leans in the default spec."""
 
 
 @type_checked
@@ -38,7 +44,12 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
         friction=float(robot.friction),
         gravity_m_s2=float(robot.gravity),
         left_out=obstacles_left_out(layout.xml, robot.name),
-        warnings=(*_about_lengths(robot), *_about_rotors(robot), *_about_heels(robot)),
+        warnings=(
+            *_about_lengths(robot),
+            *_about_rotors(robot),
+            *_about_heels(robot),
+            *_about_hip_motors(robot),
+        ),
     )
 
 
@@ -58,6 +69,47 @@ def _about_rotors(robot: PlanarBiped) -> tuple[str, ...]:
         'the gait may fall; write armature="J" into each <joint>, with J the rotor\'s inertia '
         "times the gear ratio squared (kg m^2)",
     )
+
+
+def _about_hip_motors(robot: PlanarBiped) -> tuple[str, ...]:
+    """Return a line if the hips' motors hold neither torso nor leg a little off upright; ()."""
+    hips = [motor for motor in _actuators(robot) if motor.joint.endswith("hip")]
+    links = _links(robot)
+    if not hips:
+        return ()
+    limit = min(motor.torque_limit_nm for motor in hips)
+    gravity = float(robot.gravity) * math.sin(math.radians(_HELD_DEG))
+    parts = {
+        "the torso": sum(
+            link.mass_kg * math.hypot(*link.centre_of_mass_m)
+            for link in links
+            if link.length_m is None
+        )
+        * gravity,
+        "a straight leg": _first_moment(links[-(len(links) // 2) :]) * gravity,
+    }
+    heavy = [
+        f"{name} ({torque:.2g} N m by its weight alone)"
+        for name, torque in parts.items()
+        if torque > limit
+    ]
+    if not heavy:
+        return ()
+    return (
+        f"motors of {limit:g} N m at the hips cannot hold {' or '.join(heavy)} {_HELD_DEG:g} "
+        "degrees off upright: a gait is unlikely; check ctrlrange times gear, or forcerange, of "
+        "the motors, and masses in kg",
+    )
+
+
+def _first_moment(links: Sequence[LinkFacts]) -> float:
+    """Return mass times distance from the hip of a straight leg, hip first [kg m]."""
+    moment = reached = 0.0
+    for link in links:
+        length = 0.0 if link.length_m is None else link.length_m
+        moment += link.mass_kg * (reached + length - link.centre_of_mass_m[0])
+        reached += length
+    return moment
 
 
 def _about_heels(robot: PlanarBiped) -> tuple[str, ...]:

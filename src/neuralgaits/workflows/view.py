@@ -95,7 +95,7 @@ class LiveView(LivePage):
 
         def complete() -> None:
             watched = None if sure.monitor is None else LiveMonitor(run, sure.monitor)
-            self.gait.watch_with(watched, sure.beliefs_within)
+            self.gait.watch_with(watched, sure.beliefs_within, sure.proved_of)
             self._panel.tell_how_sure(sure.verdict, sure.words, sure.theorem)
             self._stage.hang(plane, self._clicked)
 

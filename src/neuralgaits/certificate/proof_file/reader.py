@@ -179,7 +179,7 @@ def read_claims(path: Path) -> Claims:
     try:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:
-        why = f"no JSON, {error}" if isinstance(error, JSONDecodeError) else str(error)
+        why = "no JSON" if isinstance(error, JSONDecodeError) else str(error)
         # Damaged, or of another version, it is still the proof of a run.
         way = "certify its run again" if KIND in text else remedy
         raise InputError(

@@ -52,10 +52,15 @@ def _torso(axes: Axes, data: GaitData) -> None:
             for angle, where in ((low, "left"), (high, "right")):
                 tip = hip + 1.03 * size * np.array([-np.sin(angle), np.cos(angle)])
                 style = {"ha": where, "va": "bottom", "fontsize": 9, "color": BLUE}
-                axes.text(tip[0], tip[1], f"{angle:+.2f} rad", **style)
+                axes.text(tip[0], tip[1], lean_in_words(angle), **style)
         else:
             say(axes, "this spec has no condition on torso", 0.86)
     _frame(axes, points, 1.25)
+
+
+def lean_in_words(angle: float) -> str:
+    """Write an up-angle of the torso, positive backwards, as a lean [rad]."""
+    return f"{abs(angle):.2f} rad {'forward' if angle < 0.0 else 'back'}"
 
 
 def _foot(axes: Axes, data: GaitData) -> None:

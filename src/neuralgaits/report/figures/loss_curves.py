@@ -44,7 +44,7 @@ def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
     if others:
         parts.plot([], [], " ", label=f"{others} others: lower")
     for axes in (whole, parts):
-        axes.set(yscale="log", xlabel="gradient steps [1]", ylabel="loss [1]")
+        axes.set(yscale="log", xlabel="gradient steps", ylabel="loss")
         # One checkpoint is drawn as well as many.
         axes.set_xlim(0.0, 1.05 * max(float(steps.max()), 1.0))
         axes.grid(True, which="major", color="0.9")

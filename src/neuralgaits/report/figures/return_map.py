@@ -127,7 +127,7 @@ def _approach(axes: Axes, data: GaitData, proved: ProvedOrbit | None) -> None:
         slowest = farthest(numbers.z2, z2[[0, -1]], proved.contraction**steps)
         label = f"proved: nearer than this, {at_most(proved.contraction, 3)} a step"
         axes.plot(steps, slowest, color=BLUE, linewidth=2.0, label=label)
-    axes.set(yscale="log", xlabel="steps taken [1]", ylabel="distance from the orbit [kg m²/s]")
+    axes.set(yscale="log", xlabel="steps taken", ylabel="distance from the orbit [kg m²/s]")
     axes.set_ylim(bottom=first * min(abs(numbers.multiplier), 0.9) ** (STEPS + 1))
     axes.legend(fontsize=8.5)
     panel(axes, "b", "walks come to the orbit")

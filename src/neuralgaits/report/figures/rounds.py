@@ -50,7 +50,7 @@ def _steps(axes: Axes, rounds: Sequence[Round]) -> None:
         steps = np.asarray(entry.steps_walked)
         spread = np.linspace(-0.2, 0.2, len(steps))
         axes.plot(entry.round + spread, steps, "o", color=BLUE, markersize=4)
-    axes.set(title="one dot a walk", ylabel="steps walked [1]")
+    axes.set(title="one dot a walk", ylabel="steps walked")
     axes.set_ylim(bottom=0)
 
 
@@ -89,7 +89,7 @@ def _errors(axes: Axes, rounds: Sequence[Round]) -> None:
         points = [(number, value) for number, value in values if value is not None]
         if points:
             axes.plot(*np.transpose(points), style, color=colour, label=label)
-    axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z [1]")
+    axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z")
     axes.set_ylim(bottom=0)
     if axes.lines:
         axes.legend(loc="center left")

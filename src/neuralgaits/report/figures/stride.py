@@ -70,12 +70,12 @@ def _limits(axes: Axes, limits: np.ndarray) -> None:
     """Draw the limits of all motors, and hatch the torques beyond the strongest motor's limit."""
     most, different = float(limits.max()), np.unique(limits)
     for limit in (*-different, *different):
-        axes.axhline(limit, color=RED, linewidth=1.4, linestyle=(0, (6, 2)))
+        axes.axhline(limit, color=BLACK, linewidth=1.4, linestyle=(0, (6, 2)))
     for side in (-most, most):
         axes.axhspan(side, 1.25 * side, facecolor="none", edgecolor=GREY, hatch="////", linewidth=0)
     label = "limit" if len(different) == 1 else "limits"
     label += f", {', '.join(f'{limit:.3g}' for limit in different)} N m"
-    axes.plot([], [], color=RED, linestyle=(0, (6, 2)), label=label)
+    axes.plot([], [], color=BLACK, linestyle=(0, (6, 2)), label=label)
     axes.set_ylim(-1.25 * most, 1.25 * most)
 
 

@@ -1,5 +1,6 @@
 """The first paragraphs of the page: how the robot walks, why it stays up, what is proved."""
 
+from neuralgaits._printable import counted
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import SimulationSummary
@@ -68,10 +69,13 @@ def _walk_sentence(saved: RunContents, walk: ShownWalk | None) -> str:
         )
     if walk is None:
         return "It has not been simulated yet."
-    ending = "fell after" if walk.fell else "took all"
+    if walk.fell:
+        ending = f"fell after {counted(walk.steps_walked, 'step')}"
+    else:
+        ending = f"took {_all_steps(walk.steps_walked)}"
     return (
         "In the one walk recorded for this page, a MuJoCo simulation of the whole robot, it "
-        f"{ending} {walk.steps_walked} steps."
+        f"{ending}."
     )
 
 
@@ -88,16 +92,19 @@ def _place_of_walk(simulation: SimulationSummary) -> str:
     return f" ({'; '.join(changed)})" if changed else ""
 
 
+def _all_steps(steps: int) -> str:
+    return "its one step" if steps == 1 else f"all {steps} steps"
+
+
 def _counts(simulation: SimulationSummary) -> str:
     steps, count = simulation.steps_walked, len(simulation.fell)
     if count == 1:
         of_steps = (
             f" of {simulation.steps}" if simulation.fell[0] and simulation.steps is not None else ""
         )
+        fallen = f"{steps[0]}{of_steps} steps" if of_steps else counted(steps[0], "step")
         sentence = (
-            f"it fell after {steps[0]}{of_steps} steps"
-            if simulation.fell[0]
-            else f"it walked all {steps[0]} steps"
+            f"it fell after {fallen}" if simulation.fell[0] else f"it walked {_all_steps(steps[0])}"
         )
     else:
         sentence = f"{simulation.stayed} of {count} walks stayed up to their last step"

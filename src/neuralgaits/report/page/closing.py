@@ -5,6 +5,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from neuralgaits._printable import counted
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.level_words import ORBIT_LEVEL
@@ -67,7 +68,8 @@ def _falls(contents: Contents) -> Iterator[str]:
             yield f"{where} {count} of {len(reasons)} walks fell: {reason}."
     walk = contents.walk
     if walk is not None and walk.fell:
-        yield (f"The walk shown above fell after {walk.steps_walked} steps: {walk.fall_reason}.")
+        steps = counted(walk.steps_walked, "step")
+        yield (f"The walk shown above fell after {steps}: {walk.fall_reason}.")
 
 
 def missing(contents: Contents) -> Html:

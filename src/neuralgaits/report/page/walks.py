@@ -3,6 +3,7 @@
 import json
 
 from neuralgaits._control_laws import CONTROL_LAWS
+from neuralgaits._printable import counted
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
@@ -24,8 +25,8 @@ def animation(contents: Contents) -> Html:
         "section",
         _pictures(),
         html.paragraph(
-            "Chart: the green area is the region of the gait, the blue line is this walk, and a "
-            "dotted line is a touchdown.",
+            "Chart: the green area is the region of the gait, the blue line is this walk, a dotted "
+            "line is a touchdown, and the red dot is the robot now.",
             class_="quiet",
         ),
         _controls(walk),
@@ -102,9 +103,9 @@ def _walk_sentence(walk: ShownWalk) -> str:
         f"impacts and torque limits: not a playback of the plan. It {walk.origin}"
     )
     if walk.fell:
-        sentence += f", and falls after {walk.steps_walked} steps: {walk.fall_reason}."
+        sentence += f", and falls after {counted(walk.steps_walked, 'step')}: {walk.fall_reason}."
     else:
-        sentence += f", and stays up for all its {walk.steps_walked} steps."
+        sentence += f", and stays up for its {counted(walk.steps_walked, 'step')}."
     return sentence
 
 

@@ -12,7 +12,7 @@ import mujoco
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
-from neuralgaits.robots.mjcf.refuse_or_note import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import is_noted, refuse
 
 Element = ElementTree.Element
 
@@ -31,12 +31,19 @@ def compile_what_can_be(text: str, name: str) -> tuple[mujoco.MjModel | None, st
         try:
             return compile_text(text, name), text
         except RobotError as error:
-            refuse(str(error))
+            if not _follows(str(error)):
+                refuse(str(error))
             mended = _without(text, str(error))
             if mended is None:
                 return None, text
             text = mended
     return None, text
+
+
+def _follows(message: str) -> bool:
+    """Return whether MuJoCo refuses a mass that was refused before by its number."""
+    match = re.search(r"mass and inertia of moving bodies .*Element name '([^']*)'", message)
+    return match is not None and is_noted(f"body {match.group(1)} has ")
 
 
 def _without(text: str, message: str) -> str | None:

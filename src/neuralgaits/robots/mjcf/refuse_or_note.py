@@ -29,6 +29,11 @@ def notes_problems() -> bool:
     return _NOTED.get() is not None
 
 
+def is_noted(start: str) -> bool:
+    """Return whether a problem that begins with these words is noted."""
+    return any(problem.startswith(start) for problem in _NOTED.get() or ())
+
+
 def attempt(fallback: T, read: Callable[..., T], *args: object) -> T:
     """Return what a function reads; where problems are noted, a fallback if it refuses.
 

@@ -88,7 +88,10 @@ class Portrait {
     c.strokeRect(left, 10, width - left - 10, floor - 10);
     for (const i of [0, 1]) {
       const [low, high] = this.span[i], step = 10 ** Math.floor(Math.log10(high - low));
-      const tick = (high - low) / step > 5 ? 2 * step : (high - low) / step > 2 ? step : step / 2;
+      const steps = (high - low) / step;
+      // Labels across need more room than those one above the other.
+      const tick = steps > 5 ? (i ? step : 2 * step) : steps > 2 ? (i ? step / 2 : step)
+        : (i ? step / 5 : step / 2);
       for (let k = Math.ceil(low / tick); k * tick <= high; k++) {
         const v = Number((k * tick).toPrecision(6));
         const [x, y] = at(i ? [this.span[0][0], v] : [v, this.span[1][0]]);
