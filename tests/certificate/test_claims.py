@@ -155,17 +155,17 @@ def test_no_proof_file_at_all(tmp_path, text):
 @pytest.mark.parametrize(
     ("content", "found"),
     [
-        (b"# Notes", "no JSON, Expecting value: line 1 column 1 (char 0); name a run"),
+        (b"# Notes", "no JSON; name a run"),
         (b'{"format": 1}', "format 1; name a run that is certified, or its certificate/proof.json"),
         (b"\xa0\xff", "none to read: no text; name a run"),
-        (b'{"kind": "neuralgaits certificate", "format"', "no JSON, .*; certify its run again"),
+        (b'{"kind": "neuralgaits certificate", "format"', "no JSON; certify its run again"),
         (b'{"kind": "neuralgaits certificate", "format": 2}', "format 2; certify its run again"),
     ],
 )
 def test_the_remedy_fits_the_file(tmp_path, content, found):
     file = tmp_path / "file"
     file.write_bytes(content)
-    with pytest.raises(InputError, match=found.replace("(char 0)", r"\(char 0\)")):
+    with pytest.raises(InputError, match=found):
         read_claims(file)
 
 

@@ -16,6 +16,7 @@ import pytest
 import neuralgaits
 from neuralgaits import errors
 from neuralgaits._cache import cache_folder
+from neuralgaits.barriers import specs
 from neuralgaits.cli import argv_parser, misspelt, verbs
 from neuralgaits.cli import main as entry
 from neuralgaits.cli.main import main
@@ -278,6 +279,26 @@ def test_every_option_of_every_verb_is_known_to_the_speller() -> None:
     options = misspelt.options_of(argv_parser._VERBS["train"])
     assert {"--step-length", "--certify", "--json"} <= set(options)
     assert "--robot" not in options
+
+
+@pytest.mark.parametrize("words", [["simulate", "latest"], ["simulate", "-v", "latest"]])
+def test_the_help_of_a_verb_is_whole_whatever_is_given(capfd: Captured, words: list[str]) -> None:
+    assert main([words[0], "--help"]) == 0
+    whole = capfd.readouterr().out
+    assert "RUN" in whole.splitlines()[0]
+    assert main([*words, "--help"]) == 0
+    assert capfd.readouterr().out == whole
+
+
+def test_the_help_names_every_spec_and_how_to_reach_the_supervisor(
+    capfd: Captured, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    assert main(["train", "--help"]) == 0
+    out = capfd.readouterr().out
+    assert all(name in out for name in specs.BUILT_IN)
+    assert main(["simulate", "--help"]) == 0
+    assert "To walk with the supervisor, use c with --link address=" in capfd.readouterr().out
 
 
 def test_help_is_a_word_too(capfd: Captured) -> None:

@@ -368,7 +368,7 @@ def test_verbose_adds_to_the_short_screen(
     [
         (
             {},
-            "level 5: nothing is proved of these laws; a proof of levels 1 to 4 is about the model",
+            "level 5: nothing is proved of these laws; a proof of levels 1 to 4 is about",
         ),
         (
             {

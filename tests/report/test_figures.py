@@ -29,7 +29,9 @@ from neuralgaits.records.simulated import WALK_SUMMARY
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.figure import png, svg, write
 from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
+from neuralgaits.report.drawing.style import BLACK
 from neuralgaits.report.figures import (
+    barrier_sketches,
     certificate_map,
     full_order_set,
     gait_tiles,
@@ -38,6 +40,7 @@ from neuralgaits.report.figures import (
     phase_portrait,
     residual_field,
     return_map,
+    stride,
 )
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import ProvedOrbit
@@ -69,6 +72,21 @@ def sketches(run):
             continue
 
 
+PURE = ("steps taken", "gradient steps", "loss", "steps walked")
+"""Labels of counts and of the loss, whose unit of 1 says nothing."""
+
+
+def test_limits_are_black_and_leans_have_a_direction(data):
+    """A motor's limit has the colour of none of the first motors; the file's sign is another."""
+    torques = stride.draw(data).axes[1]
+    limits = [line for line in torques.lines if str(line.get_label()).startswith("limit")]
+    assert limits and {line.get_color() for line in limits} == {BLACK}
+    assert barrier_sketches.lean_in_words(-0.25) == "0.25 rad forward"
+    assert barrier_sketches.lean_in_words(0.08) == "0.08 rad back"
+    words = [text.get_text() for text in barrier_sketches.draw(data).axes[0].texts]
+    assert sum(word.endswith(" rad forward") for word in words) == 1
+
+
 def test_every_axis_and_colour_bar_has_a_unit(run, data):
     field = ResidualData(data, 0.01 * data["plane/dz"], data["orbit/z"], True)
     rows = [{"step": 1, "loss": 2.0, "validation_loss": 2.0, "effort": 0.0, "torso": 0.1}]
@@ -85,7 +103,9 @@ def test_every_axis_and_colour_bar_has_a_unit(run, data):
                 continue
             for axis, side in ((axes.xaxis, "labelbottom"), (axes.yaxis, "labelleft")):
                 label = axis.get_label_text()
-                assert UNIT.search(label) or (not label and needs_none(axis, side)), (name, label)
+                named = label in PURE or (not label and needs_none(axis, side))
+                assert UNIT.search(label) or named, (name, label)
+                assert not label.startswith(tuple(PURE)) or label in PURE, (name, label)
 
 
 def needs_none(axis, side):

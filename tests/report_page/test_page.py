@@ -229,7 +229,7 @@ def test_falls_stand_in_the_answer_and_with_their_reasons(contents, shipped, wal
     assert "friction of the feet 0.4" in said and "a push of 4 N s" in said
     assert "How it is meant to stay up." in said and "Why it stays up." not in said
     assert "In simulation 1 of 3 walks fell: torso tipped over." in failures(page)
-    assert "falls after 1 steps: torso tipped over" in animation(page)
+    assert "falls after 1 step: torso tipped over" in animation(page)
     assert "hip too low" in simulations(page.saved)
 
 

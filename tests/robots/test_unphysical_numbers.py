@@ -7,6 +7,7 @@ import pytest
 from neuralgaits.cli.main import main
 from neuralgaits.errors import RobotError
 from neuralgaits.robots import load_robot, registry
+from neuralgaits.robots.mjcf.file_problems import problems_of_file
 from neuralgaits.robots.mjcf.loader import robot_from_text
 
 AMBER = registry.model_file("amber3m").read_text(encoding="utf-8")
@@ -89,6 +90,16 @@ def test_a_keyframe_lists_every_coordinate(case):
 
 TORSO = '<inertial pos="0 0 0.21483" mass="13"'
 WELDED = '<body name="pack"><inertial pos="0 0 0" {}/></body>'
+
+
+def test_a_mass_that_is_no_number_is_one_problem(tmp_path):
+    """MuJoCo then finds no mass, which is no second one: the body has an <inertial>."""
+    first = re.search(r'<inertial [^>]*mass="[^"]*"', AMBER)
+    assert first is not None
+    mended = re.sub(r'mass="[^"]*"', 'mass="nan"', first.group(0))
+    (tmp_path / "nan.xml").write_text(AMBER.replace(first.group(0), mended, 1))
+    (problem,) = problems_of_file(tmp_path / "nan.xml")
+    assert "has mass nan: expected 0 or more" in problem
 
 
 @pytest.mark.parametrize(

@@ -202,3 +202,14 @@ def test_a_pointer_that_cannot_be_written_is_refused_before_a_run_is_made(tmp_pa
     with pytest.raises(InputError, match="found a folder at"):
         RunFolder.create({}, {}, name="biped", seed=0, root=tmp_path)
     assert os.listdir(tmp_path) == ["latest"]
+
+
+def test_a_folder_of_the_system_is_named_and_not_its_file() -> None:
+    if not Path("/proc/self").is_dir():
+        pytest.skip("there is no such folder here")
+    with pytest.raises(InputError) as stop:
+        atomic.refuse_unwritable(Path("/proc/mine/gait.h"))
+    assert str(stop.value) == (
+        "expected a folder to write to, found /proc/mine, which is the system's own: name a "
+        "folder of yours"
+    )

@@ -33,6 +33,6 @@ def test_a_state_off_the_board_has_no_point_and_breaks_the_trail(server):
     assert board._line.points.shape == (2, 2, 3)
     board.show(BELOW, steps)
     assert not board._point.visible and board._beyond.visible
-    assert board._beyond.text == "▼ below the board"
+    assert board._beyond.text == "▼ below the chart"
     board.show(INSIDE, steps)
     assert board._point.visible and not board._beyond.visible

@@ -27,6 +27,7 @@ TINY = "5e-324"
         (["certify", "RUN", "--level", "4", "--bandwidth", "0.1"], "a bandwidth of 1 to 1000"),
         (["certify", "RUN", "--level", "5", "--bandwidth", "1e308"], "a bandwidth of 1 to 1000"),
         (["certify", "RUN", "--level", "4", "--bandwidth", "nan"], "a bandwidth of 1 to 1000"),
+        (["certify", "RUN", "--level", "5", "--bandwidth", "nan"], "write --bandwidth 50"),
         (
             ["certify", "RUN", "--level", "4", "--clock", "free"],
             "level 5 with a free clock, found 4",
@@ -38,6 +39,8 @@ TINY = "5e-324"
         (["simulate", "RUN", "--steps", HUGE], "steps: expected at most 1000000, found a number"),
         (["simulate", "RUN", "--episodes", HUGE], "episodes: expected at most 1000000"),
         (["simulate", "RUN", "--push", "nan"], "expected a push of -10000 to 10000 N s"),
+        (["simulate", "RUN", "--push", "nan"], "as in --push 10, or leave --push out"),
+        (["simulate", "RUN", "--steps", "0"], "--steps: expected a whole number of at least 1"),
         (["simulate", "RUN", "--push", "1e308"], "expected a push of -10000 to 10000 N s"),
         (["simulate", "RUN", "--workers", HUGE], "expected at most 4096 workers"),
         (["train", "amber3m", "--steps", HUGE], "expected at most 10000000 gradient steps"),

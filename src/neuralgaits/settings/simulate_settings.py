@@ -3,7 +3,7 @@
 from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Literal
 
-from neuralgaits._checks import check_bandwidth, check_push, check_walks
+from neuralgaits._checks import check_bandwidth, check_push, check_walking_steps, check_walks
 from neuralgaits.settings import forms
 from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (

@@ -13,7 +13,7 @@ from neuralgaits.viewer import bars, page_style
 from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.live_monitor import membership_lines
-from neuralgaits.viewer.page_style import QUIET, SAID, line, note
+from neuralgaits.viewer.page_style import QUIET, SAID, TIGHT, line, note
 from neuralgaits.viewer.plant_sliders import add_plant_sliders
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.slider import Slider

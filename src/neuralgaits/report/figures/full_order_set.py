@@ -109,7 +109,7 @@ def _along(
         left = 1e3 * full.after_impact * np.exp(-0.5 * full.decay * data["orbit/t"])
         label = "after the worst impact"
         axes.plot(at, left, color=RED, linestyle=(0, (6, 2)), linewidth=2.0, label=label)
-    axes.set(yscale="log", xlabel="phase of the step", ylabel="error of the joints, √V [mrad]")
+    axes.set(yscale="log", xlabel="phase of the step [1]", ylabel="error of the joints, √V [mrad]")
     axes.set_xlim(0.0, 1.0)
     top = max(float(np.max(list(rooms.values()))) * 1e3, float(best.max()))
     # Room for the names above the curves.

@@ -89,7 +89,7 @@ def _errors(axes: Axes, rounds: Sequence[Round]) -> None:
         points = [(number, value) for number, value in values if value is not None]
         if points:
             axes.plot(*np.transpose(points), style, color=colour, label=label)
-    axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z")
+    axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z [1]")
     axes.set_ylim(bottom=0)
     if axes.lines:
         axes.legend(loc="center left")
