@@ -67,11 +67,11 @@ def _show_unproved(result: ExportRecord) -> None:
             asked = command(
                 "certify", named(result.run), "--level", "5", "--bandwidth", f"{width:g}"
             )
-            looks = f" `{asked}` looks for a proof of fblin as written with the same --bandwidth."
+            looks = f" `{asked}` looks for a proof of fblin exported with --bandwidth {width:g}."
     show_sentence(
         Text("level 5", "yellow"),
         ": nothing is proved of these laws; a proof of levels 1 to 4 is about the model under "
-        f"control of its own.{looks}",
+        f"ideal control.{looks}",
     )
 
 
@@ -94,7 +94,7 @@ def _show_controller(result: ControllerExport) -> None:
     laws = [name for name in result.builds[0].latency_us if name in result.laws]
     if result.monitor is not None:
         _show_monitor(result.monitor)
-    head = ("build", "y_d", "torque", "policy µs")
+    head = ("build", "y_d", "torque", "policy")
     rows = []
     for build in result.builds:
         times = build.latency_us
@@ -106,8 +106,10 @@ def _show_controller(result: ControllerExport) -> None:
                 *(f"{times[name].p99:.3g}" for name in ("policy", *laws)),
             )
         )
-    show_table((*head, *(f"{name} µs" for name in laws)), rows)
-    show_sentence("Largest distances are shares of range and limit; times are p99, of whole ticks.")
+    show_table((*head, *laws), rows)
+    show_sentence(
+        "Largest distances are shares of range and limit; times are p99 in µs, of whole ticks."
+    )
     for precision, sizes in result.sizes.items():
         show_sentence(
             f"{precision}: {sizes.flash_bytes} bytes of code and weights, "
