@@ -2,16 +2,22 @@
 
 # pyright: reportAttributeAccessIssue=false
 
+import json
+import shutil
+import subprocess
+from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
 import pytest
 
-from neuralgaits.report import animation
+from neuralgaits.report import animation, page
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.simulation.setup.plant import build
+
+ASSETS = Path(page.__file__).parent / "assets"
 
 
 def _states(model, rng, count):
@@ -129,3 +135,20 @@ def test_a_robot_without_pictures_is_drawn_as_sticks_between_its_joints():
         assert 2 * stick["size"][1] == pytest.approx(np.linalg.norm(one - other), abs=1e-4)
     # Hip bars and the torso come on top.
     assert len(sticks) >= len(ends) + 1
+
+
+@pytest.mark.parametrize("high", [1.0, 1.9, 2.1, 4.9, 5.1, 9.9, 17.3])
+def test_an_upright_axis_has_at_least_four_labels(high):
+    """One above the other there is room; two labels show no scale."""
+    if (node := shutil.which("node")) is None:
+        pytest.skip("no JavaScript engine here")
+    script = (ASSETS / "player.js").read_text(encoding="utf-8")
+    code = (
+        "globalThis.document = {getElementById: () => null};"
+        f"const tickFor = new Function({json.dumps(script)} + '; return tickFor')();"
+        f"console.log(JSON.stringify([true, false].map((up) => tickFor(0, {high}, up))))"
+    )
+    said = subprocess.run([node, "-e", code], capture_output=True, text=True, check=True).stdout
+    upright, across = json.loads(said)
+    assert 4 <= high / upright <= 10
+    assert 2 <= high / across <= 5.1

@@ -11,7 +11,10 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
+from neuralgaits.gait.commands import Command
+from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.viewer import sureness
 from neuralgaits.viewer.live_gait import LiveGait
 from neuralgaits.viewer.live_monitor import LiveMonitor, SetMembership, membership_lines
 from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT
@@ -180,6 +183,40 @@ def test_a_changed_floor_or_robot_is_said_and_no_answer_is_green(shipped, gait):
     assert gait.shown().off_proof.startswith("Changed: mass × 1.5. ")
     gait.watch_with(None)
     assert gait.shown().off_proof == ""
+
+
+@pytest.mark.parametrize(
+    ("level", "parameters", "commands", "words"),
+    [
+        (3, {}, ("speed",), "the robot of its file, on a level floor"),
+        (3, {}, ("speed", "slope"), "the robot of its file, on the floor of its commands"),
+        (1, {}, ("lean",), "a robot that leans as it believes, on a level floor"),
+        (3, {"mass": 0.02}, (), "robots within mass=2% of the file's, on a level floor"),
+        (
+            3,
+            {"floor": 0.002},
+            (),
+            "the robot of its file, on floors with footholds up to 2mm higher or lower than meant",
+        ),
+        (0, {}, (), ""),
+    ],
+)
+def test_robot_and_floor_of_a_proof_are_named(level, parameters, commands, words):
+    holds = ConditionVerdict("proved" if level else "undecided", 1.0, 1, 0.1, None, 0)
+    answer = CertificateRecord(
+        verdict=holds.verdict,
+        level=3,
+        conditions={"knee": holds},
+        levels=tuple(Conclusion(n, "proved", None) for n in range(2, level + 1)),
+        boxes=1,
+        wall_s=1.0,
+        parameters=parameters,
+    )
+    assert answer.proved_level == level
+    run: Any = SimpleNamespace(
+        trained=SimpleNamespace(commands=[Command(name, 0.0, 1.0) for name in commands])
+    )
+    assert sureness._proved_of(run, answer, None) == words
 
 
 def test_a_floor_as_commanded_is_no_change():

@@ -31,6 +31,13 @@ function arrowAt(walk, { frame, poses }) {
   return { from, force: walk.force_n[frame].map((f) => f * unit) };
 }
 
+/** Distance of two labels of an axis; those one above the other need less room. */
+function tickFor(low, high, upright) {
+  const step = 10 ** Math.floor(Math.log10(high - low)), steps = (high - low) / step;
+  const [few, some, many] = upright ? [5, 2, 1] : [2, 1, 0.5];
+  return steps > 5 ? step / many : steps > 2 ? step / some : step / few;
+}
+
 /** The tube, the trace so far and the moving point, in the plane of z. */
 class Portrait {
   constructor(canvas, walk) {
@@ -87,11 +94,7 @@ class Portrait {
     c.font = "12px system-ui, sans-serif"; c.lineWidth = 1; c.textAlign = "center";
     c.strokeRect(left, 10, width - left - 10, floor - 10);
     for (const i of [0, 1]) {
-      const [low, high] = this.span[i], step = 10 ** Math.floor(Math.log10(high - low));
-      const steps = (high - low) / step;
-      // Labels across need more room than those one above the other.
-      const tick = steps > 5 ? (i ? step : 2 * step) : steps > 2 ? (i ? step / 2 : step)
-        : (i ? step / 5 : step / 2);
+      const [low, high] = this.span[i], tick = tickFor(low, high, i === 1);
       for (let k = Math.ceil(low / tick); k * tick <= high; k++) {
         const v = Number((k * tick).toPrecision(6));
         const [x, y] = at(i ? [this.span[0][0], v] : [v, this.span[1][0]]);
