@@ -214,7 +214,7 @@ def test_robot_and_floor_of_a_proof_are_named(level, parameters, commands, words
     )
     assert answer.proved_level == level
     run: Any = SimpleNamespace(
-        trained=SimpleNamespace(commands=[Command(name, 0.0, 1.0) for name in commands])
+        trained=SimpleNamespace(commands=[Command(name, 0.0, 0.1) for name in commands])
     )
     assert sureness._proved_of(run, answer, None) == words
 
