@@ -318,6 +318,32 @@ def test_what_is_refuted_is_shown_with_its_state(
     assert lines[-1].split(maxsplit=1) == ["next", "neuralgaits train ROBOT --certify"]
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, "certify runs/a --level 2 --resume"),
+        (
+            {"parameters": {"mass": 0.02}},
+            "certify runs/a --level 2 --parameters mass=0.02 --resume",
+        ),
+        (
+            {"within": {"speed": [0.6, 0.7]}},
+            "certify runs/a --level 2 --within speed=0.6:0.7 ",
+        ),
+        # Boxes are not what is missing.
+        ({"conditions": {}}, "report runs/a"),
+    ],
+)
+def test_an_undecided_search_goes_on_with_what_it_was_asked(
+    changes: dict, words: str, capsys: Captured, monkeypatch: Environment
+) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    result = UNDECIDED | {"run": "runs/a", "level": 2, "levels": []}
+    result["conditions"] = {"open": _entry(0, "undecided")}
+    brief.brief_proof(CertificateRecord.of(result | changes))
+    assert f"neuralgaits {words}" in capsys.readouterr().out.splitlines()[-1]
+
+
 @pytest.mark.parametrize("name", [*BRIEF, "export"])
 def test_a_command_ends_with_the_next_to_give(
     name: str, capsys: Captured, monkeypatch: Environment

@@ -23,6 +23,8 @@ from neuralgaits.records.trained import TrainingSummary
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import CONFIG
 from neuralgaits.runs.shell_words import command, named
+from neuralgaits.settings import CertifySettings
+from neuralgaits.settings.options import words_of
 
 _MORE = "-v prints more"
 
@@ -165,11 +167,21 @@ def brief_proof(result: CertificateRecord, *, hint: bool = True) -> None:
 
 
 def _after_proof(result: CertificateRecord) -> str:
-    """Return the command to give next: read about what is proved, or train where nothing is."""
+    """Return the command to give next: read about what is proved, search on, or train again."""
     if result.proved_level:
         return command("report", named(result.run))
+    left = any(one.undecided_boxes for one in result.conditions.values())
+    if result.verdict != "refuted" and left:
+        asked = CertifySettings(
+            named(result.run),
+            level=result.level,
+            within=result.within,
+            parameters=result.parameters or None,
+            resume=True,
+        )
+        return command("certify", *words_of(asked, CertifySettings))
     if result.verdict != "refuted":
-        return command("certify", named(result.run), "--resume")
+        return command("report", named(result.run))
     from neuralgaits.report.page import repeat_commands
 
     try:
