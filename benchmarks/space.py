@@ -127,7 +127,7 @@ def main() -> None:
         if not os.path.isdir(folder):
             train_family(SYSTEM, "walker3d", SYSTEM.new_config(), out=Path(folder), root=ROOT)
     run = open_family_run(SYSTEM, folder)
-    margins = sampled_margins(trace_conditions(run), points, seed=2**31 + 1)
+    margins = sampled_margins(trace_conditions(run), points, seed=2**31 + 1, table=run.table)
     for name, found in margins.items():
         show(f"{name}: smallest margin of {points}", f"{found:.4g}", "above 0")
     starts = whole("STARTS", 10**4)

@@ -16,7 +16,7 @@ from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.systems.walker3d.spatial_dynamics import flow
 from neuralgaits.systems.walker3d.spatial_impact import reset
 from neuralgaits.systems.walker3d.spatial_levels import STATE, TABLE, conclude, told_speeds
-from neuralgaits.systems.walker3d.spatial_step import step_of_orbit
+from neuralgaits.systems.walker3d.spatial_step import step_from, step_of_orbit
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import StepCommands
 from neuralgaits.systems.walker3d.walker3d_verbs import VERBS, simulate
@@ -73,6 +73,38 @@ def test_each_speed_that_is_told_all_the_time_is_walked(run):
         duration = step_of_orbit(run.robot, step.policy, step.start)
         walked = float(step.policy.ends[1] - step.policy.ends[0]) / duration
         assert walked == pytest.approx(speed, abs=0.005)
+
+
+@pytest.mark.slow
+def test_integrated_steps_stay_in_the_tubes_whatever_is_told(run):
+    """Four starts on the face, each told other speeds at each of three steps."""
+    gait, draw = run.controller, np.random.default_rng(4)
+    w = draw.standard_normal((4, 3))
+    before = draw.uniform(LOW, HIGH, 4)
+
+    @jax.jit
+    @jax.vmap
+    def first(w, speed):
+        section = gait.step(jnp.stack([speed, speed])).tube.section(jnp.zeros(()))
+        return section.states(w / jnp.linalg.norm(w))
+
+    @jax.jit
+    @jax.vmap
+    def follow(start, pair):
+        step, following = gait.between(pair[0], pair[1])
+        done = step_from(run.robot, step.policy, start)
+        distances = jax.vmap(step.distance)(done.states)
+        landed = done.landed[1:]
+        return distances, landed, following.section.inside(landed - following.section.centre)
+
+    starts = first(w, before)
+    for _ in range(3):
+        change = draw.choice([-1.0, 1.0], 4) * SPEED.change_limit
+        after = np.clip(before + change, LOW, HIGH)
+        distances, starts, inside = follow(starts, np.stack([before, after], axis=1))
+        assert np.max(distances) <= 1.0 + 1e-9
+        assert np.linalg.norm(inside, axis=1).max() < 1.0
+        before = after
 
 
 @pytest.mark.slow

@@ -190,7 +190,7 @@ def followed(
     def of_step(policy: SpatialPolicy, start: Array) -> tuple[Array, Array]:
         # The pendulum's numbers are those of all steps, and known to the compiler.
         policy = eqx.tree_at(lambda one: one.pendulum, policy, pendulum)
-        states = jax.vmap(lambda one: step_from(robot, policy, one).states)(start + near)
+        states = jax.vmap(lambda one: step_from(robot, policy, one).states)(start[None] + near)
         rates = jax.vmap(lambda z: flow(robot, policy, z).rates)(states.reshape(-1, 4))
         slopes = rates[:, 1:] / rates[:, :1] * (policy.ends[1] - policy.ends[0])
         return states[..., 1:], slopes.reshape(*states.shape[:-1], 3)
