@@ -191,7 +191,7 @@ def test_command_line(tmp_path, monkeypatch, capsys, spatial_run):
     assert "hip roll" in capsys.readouterr().out
     for words, found in (
         (["--hidden", "8"], "found --hidden: leave it out"),
-        (["--speed", "0.5:0.7"], "expected one speed for a walker in three dimensions"),
+        (["--speed", "0.6:0.603"], "expected a range LOW:HIGH more than 0.006 m/s wide"),
         (["--speed", "4"], "expected more than 0 and less than 3 m/s, found 4"),
     ):
         assert main(["train", "walker3d", *words]) == 2

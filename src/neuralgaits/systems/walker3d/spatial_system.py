@@ -313,7 +313,7 @@ def _told(low: float, high: float) -> tuple[float, float, float]:
 
     Raises: InputError on an empty or a short range.
     """
-    change = 0.004  # Within reach of the tubes of the robot that is shipped.
+    change = 0.003  # Within reach of the tubes of the robot that is shipped.
     if not high - low > 2.0 * change:
         raise InputError(
             f"speed: expected a range LOW:HIGH more than {2.0 * change:g} m/s wide, found "

@@ -79,7 +79,9 @@ def widest(robot: SpatialWalker, sized: Callable[[float], Gait], table: Conditio
             {"u": (table.chart.size,)},
             parameters=gait,
         )
-        margins = searched_margins(program, 2**10, seed=0, table=table)
+        # Two axes more take more draws to find a corner.
+        count = 2**10 if gait.command is None else 2**14
+        margins = searched_margins(program, count, seed=0, table=table)
         if min(margins.values()) > 0.004:
             return gait
     return sized(sizes[-1])
