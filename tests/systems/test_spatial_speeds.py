@@ -18,7 +18,7 @@ from neuralgaits.systems.walker3d.spatial_impact import reset
 from neuralgaits.systems.walker3d.spatial_levels import STATE, TABLE, conclude, told_speeds
 from neuralgaits.systems.walker3d.spatial_step import step_from, step_of_orbit
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
-from neuralgaits.systems.walker3d.spatial_walks import StepCommands
+from neuralgaits.systems.walker3d.step_commands import StepCommands
 from neuralgaits.systems.walker3d.walker3d_verbs import VERBS, simulate
 
 QUIET = ProgressCallbacks()

@@ -7,11 +7,11 @@ from pathlib import Path
 from neuralgaits import logs
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.joint_file import JointFile, read_joints
-from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control.law_by_name import fields_of_law
 from neuralgaits.engine import worker_pool_for
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LinkFigures
 from neuralgaits.records.simulated import WALK_SUMMARY, SimulationSummary, WalkSettings
 from neuralgaits.runs.hashes import file_hashes
@@ -51,6 +51,7 @@ from neuralgaits.workflows.adapted_walk import adaptation
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.monitor_walk import required_monitor, watched
 from neuralgaits.workflows.planarise import robot_from
+from neuralgaits.workflows.replaced_walks import replaces_undisturbed
 from neuralgaits.workflows.walk_files import kept_plant, output_files
 
 
@@ -136,7 +137,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     monitored = None if plan.monitor is None else watched(run, plan.monitor, states)
     adapted = adaptation(run, walk, settings.adapted_commands)
     result = SimulationSummary(**vars(record), **vars(figures), monitor=monitored, **adapted)
-    replaced = _replaces_undisturbed(run, result)
+    replaced = replaces_undisturbed(run, result)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(WALK_SUMMARY, result)
     for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):
@@ -144,22 +145,6 @@ def simulate(settings: SimulateSettings) -> Simulation:
     for film in plan.films:
         films.write(film, walk.plant, walk.episodes.states, walk.episodes.floors)
     return Simulation(walk, result, replaced)
-
-
-def _replaces_undisturbed(run: Run, result: SimulationSummary) -> bool:
-    """Return whether disturbed walks replace undisturbed ones of the same gait in the run."""
-    if not _disturbed(result):
-        return False
-    try:
-        before = SimulationSummary.read(run.path / WALK_SUMMARY)
-    except RunError:
-        return False  # There are none, or they are damaged.
-    return not _disturbed(before) and before.sha256 == result.sha256
-
-
-def _disturbed(walks: SimulationSummary) -> bool:
-    """Return whether walks met anything that the gait was not trained for."""
-    return bool(walks.met or walks.parameters or walks.terrain)
 
 
 def _planned(settings: SimulateSettings) -> _Plan:

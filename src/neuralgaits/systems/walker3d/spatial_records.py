@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.records.record import Record
 from neuralgaits.runs.shape import POSITIVE, list_of, may
+from neuralgaits.settings.forms import Interval
 from neuralgaits.systems.family_run import FamilyConfig, TrainedSummary
 from neuralgaits.systems.walker3d.spatial_levels import SPEED
 
@@ -55,6 +57,42 @@ class SpatialConfig(FamilyConfig):
     def command(self) -> Command | None:
         """The command that each touchdown brings; None for a gait that takes none."""
         return None if self.speeds_m_s is None else Command(SPEED, *self.speeds_m_s)
+
+    @property
+    def about_command(self) -> list[str]:
+        """The sentences of a page about the command; none for a gait that takes none."""
+        command = self.command
+        if command is None:
+            return []
+        return [
+            f"It is told a speed from {command.low:g} to {command.high:g} m/s at each touchdown, "
+            f"at most {command.change_limit:g} m/s more or less than in the step before.",
+            "Sizes, figures, the live page and the exported C are those of "
+            f"{command.middle:g} m/s all the time.",
+        ]
+
+
+def refuse_speeds(speed: float | Interval) -> None:
+    """Refuse speeds that no walker has. Raises: InputError."""
+    for end in speed if isinstance(speed, tuple) else (speed,):
+        if not 0.0 < end < 3.0:
+            raise InputError(
+                f"speed: expected more than 0 and less than 3 m/s, found {end:g}: write --speed 0.6"
+            )
+
+
+def speed_range(low: float, high: float) -> tuple[float, float, float]:
+    """Return a range of speeds, and the largest change from one step to the next [m/s].
+
+    Raises: InputError on an empty or a short range.
+    """
+    change = 0.003  # Within reach of the tubes of the robot that is shipped.
+    if not high - low > 2.0 * change:
+        raise InputError(
+            f"speed: expected a range LOW:HIGH more than {2.0 * change:g} m/s wide, found "
+            f"{low:g}:{high:g}: write --speed {low:g}, or a wider range"
+        )
+    return low, high, change
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

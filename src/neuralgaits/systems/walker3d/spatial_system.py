@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from neuralgaits._types import Array, Float
 from neuralgaits.certificate.chart import Axis
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.settings.forms import Interval
 from neuralgaits.simulation.setup.command_schedule import schedule_of
@@ -40,7 +40,13 @@ from neuralgaits.systems.walker3d.spatial_levels import (
 )
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot, read_spatial
 from neuralgaits.systems.walker3d.spatial_orbit import OrbitAims
-from neuralgaits.systems.walker3d.spatial_records import SpatialConfig, SpatialFacts, SpatialTrained
+from neuralgaits.systems.walker3d.spatial_records import (
+    SpatialConfig,
+    SpatialFacts,
+    SpatialTrained,
+    refuse_speeds,
+    speed_range,
+)
 from neuralgaits.systems.walker3d.spatial_screens import screen_of_walks
 from neuralgaits.systems.walker3d.spatial_start import section_scale
 from neuralgaits.systems.walker3d.spatial_step import step_of_orbit
@@ -124,14 +130,9 @@ class SpatialSystem(ExportedSystem):
 
         Raises: InputError on bad settings.
         """
-        ends = speed if isinstance(speed, tuple) else (speed, speed)
-        for end in ends:
-            if end is not None and not 0.0 < end < 3.0:
-                raise InputError(
-                    f"speed: expected more than 0 and less than 3 m/s, found {end:g}: write "
-                    "--speed 0.6"
-                )
-        told = _told(*speed) if isinstance(speed, tuple) else None
+        if speed is not None:
+            refuse_speeds(speed)
+        told = speed_range(*speed) if isinstance(speed, tuple) else None
         return SpatialConfig(
             robot="",
             seed=seed,
@@ -261,7 +262,7 @@ class SpatialSystem(ExportedSystem):
         multipliers = ", ".join(f"{one:.2f}" for one in done.multipliers)
         return [
             f"Gait and tube: {self.sizes(done)}.",
-            *_told_in_words(run.config),
+            *run.config.about_command,
             f"Multipliers of the orbit: {multipliers} in magnitude, computed in floating point.",
             f"Sampled in the tube: friction up to {done.friction:.2f} of {run.robot.friction:g}, "
             f"torque up to {done.peak_torque_nm:.0f} N m, {done.yaw_nm:.0f} N m to hold the yaw.",
@@ -294,32 +295,6 @@ class SpatialSystem(ExportedSystem):
             ),
             (draw_sections(gait), "Sections of the tube, less its middle: shadows of ellipsoids"),
         )
-
-
-def _told_in_words(config: SpatialConfig) -> list[str]:
-    """Return the sentence about what a gait is told; none for one that takes no commands."""
-    command = config.command
-    if command is None:
-        return []
-    return [
-        f"It is told a speed from {command.low:g} to {command.high:g} m/s at each touchdown, at "
-        f"most {command.change_limit:g} m/s more or less than in the step before. Sizes, figures "
-        f"and the exported C are those of {command.middle:g} m/s all the time."
-    ]
-
-
-def _told(low: float, high: float) -> tuple[float, float, float]:
-    """Return a range of speeds, and the largest change from one step to the next [m/s].
-
-    Raises: InputError on an empty or a short range.
-    """
-    change = 0.003  # Within reach of the tubes of the robot that is shipped.
-    if not high - low > 2.0 * change:
-        raise InputError(
-            f"speed: expected a range LOW:HIGH more than {2.0 * change:g} m/s wide, found "
-            f"{low:g}:{high:g}: write --speed {low:g}, or a wider range"
-        )
-    return low, high, change
 
 
 SYSTEM = SpatialSystem()

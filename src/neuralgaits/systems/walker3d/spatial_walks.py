@@ -10,7 +10,6 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.records.record import Count, Disturb, Record
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.push import Push
@@ -28,6 +27,7 @@ from neuralgaits.systems.walker3d.spatial_laws import (
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
 from neuralgaits.systems.walker3d.spatial_sensors import SpatialSensors
+from neuralgaits.systems.walker3d.step_commands import StepCommands
 
 LAWS = ("pd", "fblin")
 """Control laws: PD around the gait's joints with its torques, and exact linearisation."""
@@ -181,33 +181,6 @@ def law_of_gait(
     return quick_jit(
         jax.vmap(lambda found, pair: pd_law(walker, gait.step(pair).policy, gains, found))
     )
-
-
-class StepCommands:
-    """What each of some robots is told: at each touchdown, as far as one step may change it.
-
-    Attributes:
-        pairs: values before and now; 0 for a gait that takes no commands. [N, 2]
-    """
-
-    def __init__(self, told: CommandSchedule | None, count: int):
-        """Tell every robot the schedule's first command, as if it were the same for long."""
-        self.pairs = np.zeros((count, 2))
-        self._limits = self._told = None
-        if told is not None:
-            self.pairs[:] = told.first[0]
-            self._limits = CommandLimits.of(told.commands)
-            self._told = [told.of(episode) for episode in range(count)]
-
-    def latch(self, touch: Array) -> None:
-        """Take the next command of each robot that touches down. [N]."""
-        if self._told is None or self._limits is None:
-            return
-        for one in map(int, np.flatnonzero(touch)):
-            last, limits = self.pairs[one, 1], self._limits
-            asked = np.clip(next(self._told[one]), limits.low, limits.high)
-            (now,) = np.clip(asked, last - limits.change, last + limits.change)
-            self.pairs[one] = last, now
 
 
 def starts_of(gait: SpatialGait, count: int, seed: int) -> Float[np.ndarray, "N 4"]:
