@@ -73,9 +73,10 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     if level == FULL_ORDER_LEVEL:
         return sentences
     bounded = (
-        "the torques of exact input-output linearisation, up to an error that moves the joints' "
-        "accelerations by no more than the bound that is stated; or those torques, held between "
-        "ticks of which one is at each touchdown"
+        "the torques of the law that is stated (exact input-output linearisation or scheduled-pd), "
+        "up to an error that moves the joints' accelerations by no more than the bound that is "
+        "stated; or those torques, held between ticks no further apart than is stated, one of them "
+        "at each touchdown unless a free clock is stated"
     )
     return (*sentences, f"at level {HIGHEST}: {bounded}")
 
