@@ -1,21 +1,40 @@
 """Gaits of the biped in three dimensions that are told a speed at each touchdown."""
 
+import shutil
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from neuralgaits.certificate.chart import Axis, Chart
+from neuralgaits.certificate.proof_file.array_tables import hexes
+from neuralgaits.certificate.proof_file.check import CheckResult, check
+from neuralgaits.certificate.proof_file.coverage import SpecOutline
+from neuralgaits.certificate.proof_file.proof_from_run import proof_of
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.writer import prove
+from neuralgaits.certificate.run_certificate.run_comparison import compare_with_run
+from neuralgaits.certificate.search.root_turns import explore
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.records.certified import PROOF
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
+from neuralgaits.systems.family_certificate import condition_problems
 from neuralgaits.systems.family_run import open_family_run
-from neuralgaits.systems.proof_model import trace_conditions
+from neuralgaits.systems.proof_model import model_data, trace_conditions
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.systems.walker3d.spatial_dynamics import flow
 from neuralgaits.systems.walker3d.spatial_impact import reset
-from neuralgaits.systems.walker3d.spatial_levels import STATE, TABLE, conclude, told_speeds
+from neuralgaits.systems.walker3d.spatial_levels import (
+    STATE,
+    TABLE,
+    conclude,
+    told_speeds,
+    with_spatial_levels,
+)
 from neuralgaits.systems.walker3d.spatial_step import step_from, step_of_orbit
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.step_commands import StepCommands
@@ -23,6 +42,8 @@ from neuralgaits.systems.walker3d.walker3d_verbs import VERBS, simulate
 
 QUIET = ProgressCallbacks()
 LOW, HIGH = 0.62, 0.68
+QUICK = ("chart", "clearance", "touchdown")
+"""Conditions of few boxes."""
 SPEED = Command("speed", LOW, HIGH, 0.003)
 
 
@@ -122,6 +143,57 @@ def test_no_sample_breaks_a_condition_and_the_program_has_the_commands(run):
     point[4] = 0.63
     other = SYSTEM.margins(run, jnp.asarray(point))
     assert abs(float(other["forward"]) - float(expected["forward"])) > 1e-3
+
+
+@pytest.fixture(scope="module")
+def partial(run, tmp_path_factory):
+    """A run with a proof of the conditions that take few boxes."""
+    folder = shutil.copytree(run.path, tmp_path_factory.mktemp("partial") / "run")
+    own, program = open_family_run(SYSTEM, folder), trace_conditions(run)
+    problems = [one for one in condition_problems(program, run.table, 0.4) if one.names[0] in QUICK]
+    states = explore(problems, [None] * len(problems), lambda *_: None)
+    proved = tuple(one for pair in zip(problems, states, strict=True) for one in prove(*pair))
+    proof = proof_of(own.folder, program, proved, model_data(own, program), run.table.chart)
+    (own.path / PROOF).parent.mkdir()
+    (own.path / PROOF).write_bytes(proof.content())
+    return own
+
+
+@pytest.mark.slow
+def test_a_checker_knows_the_speeds_and_believes_no_others(partial):
+    claims = read_claims(partial.path / PROOF)
+    assert compare_with_run(claims, partial.path).wrong == ()
+    found = check(claims)
+    assert (found.verdict, found.holds) == ("undecided", True)
+    assert {name for name in TABLE.conditions if name not in found.unclaimed} == set(QUICK)
+    assert with_spatial_levels(found, claims).verdict == "undecided"
+    bounds = partial.table.stated_bounds(claims)
+    assert set(bounds) == set(QUICK)
+    # All conditions would give levels whose words have the speeds.
+    held = CheckResult("proved", None, (), (), (), 1, holds=True)
+    *state, speed, change = claims.chart.state
+    slower = Chart(state=(*state, speed._replace(low=0.5), change))
+    assert with_spatial_levels(held, replace(claims, chart=slower)).verdict == "rejected"
+    unknown = Chart(state=(*state, speed._replace(name="slope"), change))
+    assert with_spatial_levels(held, replace(claims, chart=unknown)).verdict == "rejected"
+    assert with_spatial_levels(held, replace(claims, chart=TABLE.chart)).verdict == "rejected"
+
+
+def test_boxes_of_regions_lie_between_the_ends_of_their_axes():
+    ends = Chart(state=(*STATE, *(Axis(*one) for one in SPEED.axes))).region_ends
+    low, high = (0.0, 0.0, 0.0, 0.0, LOW, -0.003), (1.0, 1.0, 1.0, 1.0, HIGH, 0.003)
+
+    def read(low, high):
+        regions = {"tube": [{"low": hexes(low), "high": hexes(high)}]}
+        conditions = {"yaw": {"kind": "Margin", "region": "tube", "scale": 1.0}}
+        return SpecOutline.read(regions, conditions, decimals=False, ends=ends)
+
+    assert read(low, high).regions == {"tube": ((low, high),)}
+    for other in ((*low[:4], 0.5, -0.003), (-0.1, *low[1:])):
+        with pytest.raises(ValueError, match="no box of the chart"):
+            read(other, high)
+    # A walker's boxes stay within a step, whose chart goes on beyond its ends.
+    assert Chart().region_ends == ((0.0, 1.0), (0.0, 1.0))
 
 
 @pytest.mark.slow

@@ -78,6 +78,8 @@ PHASE, LEVEL = Axis("phase", -0.1, 1.1), Axis("level", 0.0, 1.0)
 """Strips before the start of a step and behind its guard belong to the chart."""
 WALKER = (PHASE, LEVEL)
 """Axes of a walker's state."""
+STEP_ENDS = ((0.0, 1.0), (0.0, 1.0))
+"""Ends of phase and level within a step."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,16 @@ class Chart:
     def walks(self) -> bool:
         """Whether the state is a walker's: phase and level."""
         return self.state == WALKER
+
+    @property
+    def region_ends(self) -> tuple[tuple[float, float], ...]:
+        """Ends of each axis of the state that boxes of regions lie between.
+
+        Those of a walker are within a step: strips before and after it belong to no region.
+        """
+        if self.walks:
+            return STEP_ENDS
+        return tuple((axis.low, axis.high) for axis in self.state)
 
     @classmethod
     def of(cls, commands: Commands, errors: Iterable[tuple[str, float]] = ()) -> "Chart":

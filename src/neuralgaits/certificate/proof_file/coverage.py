@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from neuralgaits._names import why_no_name
-from neuralgaits.certificate.chart import PLANE, Corner
+from neuralgaits.certificate.chart import PLANE, STEP_ENDS, Corner
 from neuralgaits.certificate.levels.levels import labelled_premises
 from neuralgaits.certificate.premises import Claim
 from neuralgaits.certificate.proof_file.json_fields import box_of, number_of, text_of
@@ -51,11 +51,16 @@ class SpecOutline:
 
     @classmethod
     def read(
-        cls, regions: Any, conditions: Any, *, decimals: bool = True, axes: int = PLANE
+        cls,
+        regions: Any,
+        conditions: Any,
+        *,
+        decimals: bool = True,
+        ends: Sequence[tuple[float, float]] = STEP_ENDS,
     ) -> "SpecOutline":
         """Read regions and conditions from a run's config or, without decimals, a proof's model.
 
-        Their boxes have so many axes.
+        Their boxes lie between these ends of each axis.
 
         Raises: ValueError.
         """
@@ -65,7 +70,7 @@ class SpecOutline:
             if why := why_no_name(name):
                 raise ValueError(f"the name {why}")
         boxes = {
-            name: tuple(_box(row, decimals, axes) for row in _box_rows(rows))
+            name: tuple(_box(row, decimals, ends) for row in _box_rows(rows))
             for name, rows in regions.items()
         }
         outlines = {name: _condition(name, row, boxes) for name, row in conditions.items()}
@@ -91,9 +96,10 @@ def _box_rows(rows: Any) -> list:
     return rows
 
 
-def _box(table: Any, decimals: bool, axes: int) -> tuple[Corner, Corner]:
-    low, high = box_of(table, "a box of a region", axes, decimals=decimals)
-    if not all(0.0 <= a <= b <= 1.0 for a, b in zip(low, high, strict=True)):
+def _box(table: Any, decimals: bool, ends: Sequence[tuple[float, float]]) -> tuple[Corner, Corner]:
+    low, high = box_of(table, "a box of a region", len(ends), decimals=decimals)
+    inside = zip(ends, low, high, strict=True)
+    if not all(least <= a <= b <= most for (least, most), a, b in inside):
         raise ValueError(f"a region's box from {low} to {high}, which is no box of the chart")
     return low, high
 

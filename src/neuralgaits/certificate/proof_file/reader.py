@@ -235,7 +235,7 @@ def _refuse_names(outputs: set[str], premises: set[str]) -> None:
 
 def _outline(model: dict[str, Any], outputs: set[str], chart: Chart) -> SpecOutline:
     outline = SpecOutline.read(
-        model.get("regions"), model.get("conditions"), decimals=False, axes=len(chart.state)
+        model.get("regions"), model.get("conditions"), decimals=False, ends=chart.region_ends
     )
     conditions = {name for name in outputs if "/" not in name}
     if odd := sorted(conditions ^ set(outline.conditions)):

@@ -44,7 +44,7 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
         wrong = differences_of_program(claims, description)
         chart = Chart.read(description["chart"])
         outline = SpecOutline.read(
-            description["regions"], description["conditions"], axes=len(chart.state)
+            description["regions"], description["conditions"], ends=chart.region_ends
         )
     except (KeyError, TypeError, ValueError) as error:
         raise RunError(
