@@ -256,5 +256,9 @@ def test_ranges_that_no_gait_can_have_are_refused(speed, words):
 
 
 def test_commands_of_a_gait_that_takes_none_are_refused(spatial_run):
+    begun = []
+    progress = ProgressCallbacks(begun=lambda: begun.append(True))
     with pytest.raises(InputError, match="a gait that takes commands, found one that takes none"):
-        simulate(spatial_run, progress=QUIET, command="speed=0.6", steps=1)
+        simulate(spatial_run, progress=progress, command="speed=0.6", steps=1)
+    # Nothing was said to have begun.
+    assert not begun

@@ -71,13 +71,13 @@ def simulate(
         )
     changes = changes_of(disturb, sensing)
     opened = open_family_run(SYSTEM, run)
-    progress.begun()
     gait = opened.controller
     told = None
     if gait.command is not None or command is not None or commands is not None:
         known = () if gait.command is None else (gait.command,)
         told = schedule_of(known, command, commands, seed)
         gait = jax.tree.map(np.asarray, gait.step(np.repeat(told.first, 2)))
+    progress.begun()
     plan = WalkPlan(
         controller=controller,
         starts=starts_of(gait, episodes, seed),
