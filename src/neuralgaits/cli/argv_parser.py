@@ -71,10 +71,14 @@ def read(words: list[str]) -> Verb:
         _SUBCOMMANDS,  # type: ignore[arg-type]
         prog="neuralgaits",
         description=(
-            "Train a walking gait, walk it in MuJoCo, prove it.\n\n"
-            "To begin, `neuralgaits demo` shows a proved gait on a live page.\n\n"
-            "`neuralgaits train amber3m` trains one; each command ends with the next to give.\n\n"
-            "`neuralgaits VERB --help` lists the options of a verb."
+            "Train a walking gait, walk it in MuJoCo, prove it.\n"
+            "`neuralgaits demo` shows a proved gait on a live page.\n"
+            "`neuralgaits train amber3m` trains one. Commands end with the next to give.\n"
+            "`neuralgaits VERB --help` lists the options of a verb.\n"
+            "  To begin: demo, train, simulate, certify, view, report.\n"
+            "  Your own robot: robots, inspect, doctor; on the robot: export, check-deploy.\n"
+            "  From logs: fit, refine, episodes. Proof files of others: check-proof.\n"
+            "  Many runs: sweep. Gaits found otherwise: optimise, import-gait."
         ),
         args=words,
         config=(tyro.conf.FlagCreatePairsOff, tyro.conf.SuppressFixed),
