@@ -30,7 +30,7 @@ def proofcheck(made_once) -> Ask:
 
     def ask(*arguments: object, text: str = "") -> subprocess.CompletedProcess[str]:
         command = [str(PROGRAM), *map(str, arguments)]
-        return subprocess.run(command, input=text, capture_output=True, text=True, timeout=120)
+        return subprocess.run(command, input=text, capture_output=True, text=True, timeout=1200)
 
     return ask
 

@@ -27,7 +27,7 @@ def page(live, browser):
     opened.on("console", lambda said: errors.append(said.text) if said.type == "error" else None)
     opened.on("request", lambda request: asked.append(request.url))
     opened.goto(live.url)
-    opened.get_by_text("Walks ·").wait_for(timeout=60_000)
+    opened.get_by_text("Walks ·").wait_for(timeout=300_000)
     yield opened
     elsewhere = [url for url in asked if not url.startswith((live.url, "data:", "blob:"))]
     opened.close()
@@ -38,7 +38,7 @@ def page(live, browser):
 def test_on_a_phone_the_controls_leave_the_upper_half_to_the_robot(live, browser):
     opened = browser.new_page(viewport={"width": 390, "height": 844})
     opened.goto(live.url)
-    opened.get_by_text("Walks ·").wait_for(timeout=60_000)
+    opened.get_by_text("Walks ·").wait_for(timeout=300_000)
     sheet = opened.locator(".mantine-Paper-root").filter(has_text="Pause").bounding_box()
     opened.close()
     assert (sheet["x"], sheet["width"]) == (0.0, 390.0)
@@ -46,10 +46,10 @@ def test_on_a_phone_the_controls_leave_the_upper_half_to_the_robot(live, browser
 
 
 def test_the_answer_and_its_limits_are_in_view_without_a_click(page):
-    page.get_by_text("The proof file states level 3 of 5.").wait_for(timeout=60_000)
-    page.get_by_text("Inside the proved set of level 2: yes, margin 0.").wait_for(timeout=60_000)
+    page.get_by_text("The proof file states level 3 of 5.").wait_for(timeout=300_000)
+    page.get_by_text("Inside the proved set of level 2: yes, margin 0.").wait_for(timeout=300_000)
     for words in ("Proved, to level 3 of 5", "What is not covered."):
-        page.get_by_text(words).first.wait_for(state="visible", timeout=60_000)
+        page.get_by_text(words).first.wait_for(state="visible", timeout=300_000)
     # A long path breaks before the edge of the panel.
     right = page.get_by_text("neuralgaits check-proof").evaluate(
         "(one) => Math.max(...[...one.getClientRects()].map((box) => box.right))"
@@ -66,7 +66,7 @@ def until(condition, seconds=300.0):
 
 def test_the_page_shows_the_walk_and_every_condition(live, page):
     for word in ("Pause", "Reset", "slope [deg]", "friction", "rate of every joint ≤ 4 rad/s"):
-        page.get_by_text(word, exact=True).first.wait_for(timeout=20_000)
+        page.get_by_text(word, exact=True).first.wait_for(timeout=300_000)
 
 
 def test_a_push_is_given(live, page):
@@ -122,11 +122,11 @@ def test_a_fall_is_explained_and_reset(live, page):
     live.player.ask(lambda walker: walker.push(np.array([-80.0, 0.0])))
     until(lambda: live.gait.live.ending.fell or live.player.failure)
     assert live.player.failure is None
-    page.get_by_text("Fell: ").wait_for(timeout=60_000)
+    page.get_by_text("Fell: ").wait_for(timeout=300_000)
     assert live.gait.shown().fall is not None
     page.get_by_role("button", name="Reset").click()
     until(lambda: live.gait.shown().fall is None)
-    page.get_by_text("Walks ·").wait_for(timeout=60_000)
+    page.get_by_text("Walks ·").wait_for(timeout=300_000)
 
 
 def where(live, z, canvas):

@@ -112,7 +112,7 @@ atexit.register(print, "cleaned up")
             assert line, shell.communicate()[1]
             text += line
         answer = json.loads(text)
-        with urllib.request.urlopen(answer["url"], timeout=10.0) as page:
+        with urllib.request.urlopen(answer["url"], timeout=300.0) as page:
             assert page.status == 200
         # In this process: the port is taken all the same.
         assert main(["demo", "--json", "--no-browser", "--port", str(answer["port"])]) == 2
@@ -121,7 +121,7 @@ atexit.register(print, "cleaned up")
         assert said.err.count("\n") == 1
         assert "found it taken" in said.err
         os.kill(shell.pid, signal.SIGINT)
-        out, err = shell.communicate(timeout=30.0)
+        out, err = shell.communicate(timeout=300.0)
     assert shell.returncode == 130
     assert out == ""
     assert err == "neuralgaits: interrupted\n"
