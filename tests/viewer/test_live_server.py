@@ -36,7 +36,7 @@ def test_without_a_wish_a_free_port_is_taken(taken, monkeypatch):
     try:
         assert taken < server.get_port() < taken + 100
         assert server.get_host() == live_server.LOOPBACK
-        with socket.create_connection((live_server.LOOPBACK, server.get_port()), timeout=5.0):
+        with socket.create_connection((live_server.LOOPBACK, server.get_port()), timeout=60.0):
             pass
     finally:
         with live_server.quiet():

@@ -19,7 +19,7 @@ from neuralgaits.workflows.report import saved_of
 from support.forgeries.base import Forged, Forgery
 
 CODES = {0: "proved", 1: "rejected", 2: "unreadable", 3: "undecided"}
-TIMEOUT_S = 120
+TIMEOUT_S = 1200
 
 
 @dataclass(frozen=True)
