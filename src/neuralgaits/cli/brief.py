@@ -11,6 +11,7 @@ from typing import Any
 from rich.text import Text
 
 from neuralgaits._digits import at_least
+from neuralgaits._printable import counted
 from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, verdict
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF, CertificateRecord
@@ -219,7 +220,7 @@ def brief_check(result: ProofCheck, *, hint: bool = True) -> None:
 
 
 def _assumed(count: int, hint: bool) -> str:
-    things = f"{count} thing{'' if count == 1 else 's'}"
+    things = counted(count, "thing")
     return f"{things}; -v prints them and every statement" if hint else f"{things}, listed above"
 
 
@@ -274,7 +275,7 @@ def brief_report(result: ReportRecord, *, hint: bool = True) -> None:
         facts.append(("damaged", _hinted(_list(list(result.damaged)), hint)))
     if result.missing:
         count = len(result.missing)
-        what = f"{count} optional part{'' if count == 1 else 's'} not made yet"
+        what = f"{counted(count, 'optional part')} not made yet"
         facts.append(("missing", f"{what}; {'-v lists them' if hint else 'listed above'}"))
     facts.append(("next", command("view", named(result.run))))
     show_facts(facts)
