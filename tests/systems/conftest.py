@@ -10,6 +10,7 @@ from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.systems.walker3d.spatial_mjcf import BUILT_IN, read_spatial, spatial_text
 from neuralgaits.systems.walker3d.walker3d_verbs import VERBS
+from support.spatial_runs import SPEEDS
 
 
 @pytest.fixture(scope="session")
@@ -38,3 +39,14 @@ def spatial_run(made_once):
         VERBS["train"](BUILT_IN, progress=ProgressCallbacks(), out=run, root=run.parent)
 
     return made_once("walker3d", make)
+
+
+@pytest.fixture(scope="session")
+def speed_run(made_once):
+    """A gait for a range of speeds, shared by all workers: nobody changes it."""
+
+    def make(run):
+        quiet = ProgressCallbacks()
+        VERBS["train"](BUILT_IN, progress=quiet, speed=SPEEDS, out=run, root=run.parent)
+
+    return made_once("walker3d-speeds", make)

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import neuralgaits as ng
+from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.check import CheckResult
 from neuralgaits.certificate.proof_file.reader import read_claims
@@ -23,12 +24,12 @@ from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
 from neuralgaits.certificate.run_certificate.retrace import retrace_in_subprocess
 from neuralgaits.certificate.run_certificate.run_comparison import compare_with_run
 from neuralgaits.cli.main import main
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.errors import InputError, MismatchError, RunError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.systems import family_certificate
+from neuralgaits.systems import controller_export, family_certificate
 from neuralgaits.systems.cartpole import LEVELS
 from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
 from neuralgaits.systems.cartpole.mjcf import read_cartpole
@@ -193,6 +194,22 @@ def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
     assert (done.max_abs_error or 0.0) < 1e-10
     with pytest.raises(InputError, match="found files in it"):
         export_family(SYSTEM, cartpole_run, tmp_path / "c")
+
+
+@pytest.mark.parametrize("output", ["force", "barrier"])
+def test_c_that_computes_another_output_is_not_written(output, cartpole_run, tmp_path, monkeypatch):
+    evaluated = controller_export.evaluate
+
+    def off(program, inputs, algebra):
+        found = evaluated(program, inputs, algebra)
+        return found | {output: np.asarray(found[output]) + 1e-3}
+
+    monkeypatch.setattr(controller_export, "evaluate", off)
+    if Compiler.for_c() is None:
+        pytest.skip("no C compiler")
+    with pytest.raises(MismatchError, match=f"expected {output} of Python from C"):
+        export_family(SYSTEM, cartpole_run, tmp_path / "c")
+    assert not (tmp_path / "c").exists()
 
 
 def test_the_page_says_what_is_proved_and_what_is_not(cartpole_run, cartpole_certificate, tmp_path):

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from neuralgaits.systems.family_run import open_family_run
-from neuralgaits.systems.walker3d.live_controllers import CompiledController, TracedController
+from neuralgaits.systems.walker3d.live_controllers import (
+    CompiledController,
+    TracedController,
+    controller_of,
+)
+from neuralgaits.systems.walker3d.live_panel import told_line
 from neuralgaits.systems.walker3d.live_walk import SpatialLive
 from neuralgaits.systems.walker3d.spatial_changes import TICK_S
 from neuralgaits.systems.walker3d.spatial_page import proof_in_words
@@ -117,6 +122,60 @@ def test_in_jax_it_is_the_same_controller(run, live, compiled):
         plants.drive(0, one.torques, np.zeros(2))
     assert left
     assert max(np.abs(one).max() for one in off) < 1e-7
+
+
+@pytest.fixture(scope="module")
+def told_run(speed_run):
+    return open_family_run(SYSTEM, speed_run)
+
+
+def test_it_goes_to_the_speed_that_is_requested_and_starts_there_again(told_run):
+    live = SpatialLive(told_run)
+    live.control_with(controller_of(told_run))
+    command, (slider,) = told_run.config.command, live.commands.values()
+    assert (slider.low, slider.high) == (command.low, command.high)
+    assert walked(live, 100)
+    shown = live.shown()
+    assert shown.told == shown.requested == command.middle and "way" not in told_line(shown)
+    wide = shown.gait
+    live.tell("speed", 0.654)
+    assert walked(live, STEP_TICKS)
+    shown = live.shown()
+    assert shown.told == pytest.approx(command.middle + command.change_limit)
+    assert "told 0.653 m/s, on the way to 0.654" in told_line(shown)
+    # The tube that states are compared with is that of the step.
+    assert not np.array_equal(shown.gait.tube.axes, wide.tube.axes)
+    assert shown.share == 1.0
+    live.tell("speed", command.high)
+    live.reset()
+    assert walked(live, 2 * STEP_TICKS)
+    shown = live.shown()
+    assert shown.told == command.high and shown.share > 0.5
+    assert shown.speed == pytest.approx(command.high, abs=0.01)
+
+
+def test_in_jax_it_is_told_the_same(told_run):
+    one, other = CompiledController.of(told_run), TracedController(told_run)
+    if one is None:
+        pytest.skip("no C compiler")
+    live = SpatialLive(told_run)
+    for controller in (one, other):
+        controller.start(0.66)
+        controller.tell(0.7)
+    for _ in range(STEP_TICKS + 60):
+        pair = one.tick(live.plants), other.tick(live.plants)
+        np.testing.assert_array_equal(pair[0].pair, pair[1].pair)
+        np.testing.assert_allclose(
+            pair[0].torques, np.clip(pair[1].torques, -80.0, 80.0), atol=1e-7
+        )
+        live.plants.drive(0, pair[0].torques, np.zeros(2))
+    np.testing.assert_allclose(pair[0].pair, [0.66, 0.663])
+
+
+def test_a_gait_that_takes_no_commands_has_no_slider_and_no_line(run, live):
+    assert walked(live, 10)
+    assert live.commands == {}
+    assert told_line(live.shown()) == ""
 
 
 def test_a_page_tells_what_the_proof_file_states_and_no_more(run, monkeypatch):

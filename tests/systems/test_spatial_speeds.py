@@ -38,23 +38,14 @@ from neuralgaits.systems.walker3d.spatial_levels import (
 from neuralgaits.systems.walker3d.spatial_step import step_from, step_of_orbit
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.step_commands import StepCommands
-from neuralgaits.systems.walker3d.walker3d_verbs import VERBS, simulate
+from neuralgaits.systems.walker3d.walker3d_verbs import simulate
+from support.spatial_runs import SPEEDS
 
 QUIET = ProgressCallbacks()
-LOW, HIGH = 0.62, 0.68
+LOW, HIGH = SPEEDS
 QUICK = ("chart", "clearance", "touchdown")
 """Conditions of few boxes."""
 SPEED = Command("speed", LOW, HIGH, 0.003)
-
-
-@pytest.fixture(scope="session")
-def speed_run(made_once):
-    """A gait for a range of speeds, shared by all workers: nobody changes it."""
-
-    def make(run):
-        VERBS["train"]("walker3d", progress=QUIET, speed=(LOW, HIGH), out=run, root=run.parent)
-
-    return made_once("walker3d-speeds", make)
 
 
 @pytest.fixture(scope="module")

@@ -38,7 +38,7 @@ class FamilyExport(Record):
         files: what was written.
         checked: whether a C compiler was there, so that C could be compared with Python.
         states: how many states were compared.
-        max_abs_error: largest difference of the first output; None if it was not compared.
+        max_abs_error: largest difference of `ControllerHeader.output`; None if not compared.
     """
 
     run: str
@@ -65,10 +65,12 @@ def export_family(
     refuse_used(out, force=force)
     header, states = system.header(run), system.states(run, STATES, seed=1)
     program = controller_program(system, run)
-    expected = evaluate(program, {"state": states}, POINT)[program.outputs[0].name]
-    expected = expected.reshape(len(states), -1)
+    expected = {
+        name: value.reshape(len(states), -1)
+        for name, value in evaluate(program, {"state": states}, POINT).items()
+    }
     files = c_files(run, program, header)
-    files |= selftest_file(header, program, states[:TESTED], expected[:TESTED])
+    files |= selftest_file(header, program, states[:TESTED], expected[header.output][:TESTED])
     error = _largest_difference(program, states, expected, files, header)
     written = publish(out, files)
     return FamilyExport(
@@ -83,7 +85,8 @@ def export_family(
 
 def controller_program(system: ExportedSystem, run: FamilyRun) -> Program:
     """Return the outputs of the exported controller as a Program of the state."""
-    return trace(system.law(run), {"state": (system.state_size,)}, parameters=run.controller)
+    inputs = {"state": (system.state_size_of(run.config),)}
+    return trace(system.law(run), inputs, parameters=run.controller)
 
 
 def c_files(run: FamilyRun, program: Program, header: ControllerHeader) -> dict[str, str]:
@@ -137,12 +140,13 @@ def _proof_in_words(run: FamilyRun, header: ControllerHeader) -> str:
 def _largest_difference(
     program: Program,
     states: np.ndarray,
-    expected: np.ndarray,
+    expected: dict[str, np.ndarray],
     files: dict[str, str],
     header: ControllerHeader,
 ) -> float | None:
-    """Compile the files and return the largest difference of the first output; None if none can.
+    """Compile the files and compare all outputs.
 
+    Returns: the largest difference of the header's output; None without a compiler.
     Raises: MismatchError.
     """
     compiler = Compiler.for_c()
@@ -151,22 +155,28 @@ def _largest_difference(
     sources = tuple(sorted(name for name in files if name.endswith(".c")))
     flags = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared")
     library = SharedLibrary(header.file, files, sources, flags)
-    first = program.outputs[0].name
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:
         compiled = ctypes.CDLL(str(compiler.compile(library, Path(folder))))
         function = getattr(compiled, header.function)
-        outputs = [_called(function, program, state)[first] for state in states]
+        answers = [_called(function, program, state) for state in states]
         wrong = getattr(compiled, selftest_name(header))()
-    error = float(np.abs(np.array(outputs) - expected).max())
-    # Rounding grows with the largest of the outputs, limits aside.
-    # Largest difference that is rounding, as a share of the limit of the compared output.
+    # Largest difference that is rounding, as a share of the largest value or of the limit.
     rounding = 1e-9
-    if wrong or not error <= rounding * max(header.limit, float(np.abs(expected).max())):
+    errors = {}
+    for name, values in expected.items():
+        errors[name] = float(np.abs(np.array([one[name] for one in answers]) - values).max())
+        limit = header.limit if name == header.output else 0.0
+        if not errors[name] <= rounding * max(limit, float(np.abs(values).max())):
+            raise MismatchError(
+                f"expected {name} of Python from C, found a difference of {errors[name]:.3g}: "
+                "report it"
+            )
+    if wrong:
         raise MismatchError(
-            f"expected the {first}s of Python from C, found a difference of {error:.3g} "
-            f"{header.unit}: report it"
+            f"expected the table of {header.file}_selftest.c from C, found another line {wrong}: "
+            "report it"
         )
-    return error
+    return errors[header.output]
 
 
 def _called(function: Any, program: Program, state: np.ndarray) -> dict[str, list[float]]:

@@ -15,8 +15,9 @@ class ControllerHeader:
         about: inputs and outputs in words, lines of a C comment.
         advice: what the caller has to do.
         constants: value and comment of each #define, by name.
-        unit: unit of the first output.
-        limit: largest value of the first output, to which rounding is compared.
+        output: name of the output whose difference from Python is shown.
+        unit: its unit.
+        limit: its largest value, to which rounding is compared.
         proved: what the run's proof is about if it states a level, lines of a C comment.
         more: further C files by name, which use the function.
     """
@@ -27,6 +28,7 @@ class ControllerHeader:
     about: str
     advice: str
     constants: Mapping[str, tuple[float, str]]
+    output: str
     unit: str
     limit: float
     proved: str

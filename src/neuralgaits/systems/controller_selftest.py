@@ -24,8 +24,8 @@ def selftest_file(
     states: Float[np.ndarray, "k n"],
     expected: Float[np.ndarray, "k m"],
 ) -> dict[str, str]:
-    """Return the C file by name; `expected` is the first output at the states."""
-    compared = program.outputs[0].name
+    """Return the C file by name; `expected` is the header's output at the states."""
+    compared = header.output
     outputs = [(item.name, math.prod(item.shape)) for item in program.outputs]
     scale = max(header.limit, float(np.abs(expected).max()))
     # Largest differences, as shares of the limit.

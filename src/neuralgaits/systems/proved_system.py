@@ -88,10 +88,15 @@ class ExportedSystem(ProvedSystem):
     """A system whose controller is exported as C, with or without a memory.
 
     Attributes:
-        state_size: how many numbers the exported function takes.
+        state_size: how many numbers the exported function takes, of a controller without commands.
     """
 
     state_size: int
+
+    def state_size_of(self, config: Any) -> int:
+        """Return how many it takes of a configuration: those of all, unless it has commands."""
+        del config
+        return self.state_size
 
     @abstractmethod
     def header(self, run: Any) -> ControllerHeader:

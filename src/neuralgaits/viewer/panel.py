@@ -14,7 +14,7 @@ from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.live_monitor import membership_lines
 from neuralgaits.viewer.page_style import QUIET, SAID, TIGHT, line, note
-from neuralgaits.viewer.plant_sliders import add_plant_sliders
+from neuralgaits.viewer.plant_sliders import HEARD, add_plant_sliders
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.time_controls import add_time_controls
@@ -170,8 +170,7 @@ class Panel:
         """Add sliders of the commands, and the switch that adapts them, if there are any."""
         handles: dict[str, viser.GuiSliderHandle] = {}
         if commands:
-            heard = "heard at the next touchdown; large changes take several steps"
-            handles = self._add_told(gui, "Commands", commands, heard, lambda walker: walker.tell)
+            handles = self._add_told(gui, "Commands", commands, HEARD, lambda walker: walker.tell)
         if adaptable:
             learned = [handles[name] for name in adaptable if name in SETTLED and name in handles]
             self._add_adaptation(gui, adaptable, learned, adapts)

@@ -9,6 +9,8 @@ from neuralgaits.gait.commands import LEAN, SLOPE, Command
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.slider import Slider
 
+HEARD = "heard at the next touchdown; large changes take several steps"
+"""What the sliders of commands say to whoever points at them."""
 AHEAD = "torso_shift_m"
 """Name of the disturbance that moves the torso's weight forward."""
 MILLIMETRE = 1e-3

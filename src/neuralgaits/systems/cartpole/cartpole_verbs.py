@@ -118,6 +118,7 @@ class CartPoleSystem(EquilibriumSystem):
                 "FORCE_LIMIT": (robot.force_limit, "N"),
                 "RAIL": (robot.rail, "m, from the middle of the rail to its end"),
             },
+            output="force",
             unit="N",
             limit=robot.force_limit,
             proved="states in the set, in\n * continuous time and exact arithmetic: there the "

@@ -55,6 +55,7 @@ def header_of(run: FamilyRun) -> ControllerHeader:
         about=ABOUT,
         advice="Call ng_hopper_tick of hopper_tick.h, and clamp what it returns",
         constants=constants,
+        output="forces",
         unit="N or N m",
         limit=robot.force_limit,
         proved="its hybrid\n * zero dynamics, not of their control, flights' ways or sampling",

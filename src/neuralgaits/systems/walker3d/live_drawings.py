@@ -27,15 +27,23 @@ class TubeSlices:
     """Slices of a gait's tube: deviations of (y, L_y, n) from its middle over a step."""
 
     def __init__(self, gait: SpatialGait):
-        """Draw the tube's bands once; states are drawn over them."""
+        """Draw the tube's bands; states are drawn over them. The scale stays that of this tube."""
         self._phases = np.linspace(0.0, 1.0, 41)
-        _, axes = gait.tube.sections(self._phases)
-        self._half = np.linalg.norm(axes, axis=2)
+        self._follow(gait)
         self._most = SEEN * self._half.max(axis=0)
         self._bands = [self._band(k) for k in range(3)]
 
+    def _follow(self, gait: SpatialGait) -> None:
+        """Measure the tube of this gait."""
+        self._gait = gait
+        _, axes = gait.tube.sections(self._phases)
+        self._half = np.linalg.norm(axes, axis=2)
+
     def render(self, shown: SpatialMoment) -> str:
         """Return the slices with the trail and the present state as HTML."""
+        if shown.gait is not self._gait:  # A step that was told another speed has another tube.
+            self._follow(shown.gait)
+            self._bands = [self._band(k) for k in range(3)]
         ink = GOOD if shown.distance <= 1.0 else BAD
         return (
             '<div style="padding:2px 10px 4px">'

@@ -11,11 +11,10 @@ import viser
 from neuralgaits.systems.walker3d.live_drawings import TubeSlices, draw_prints
 from neuralgaits.systems.walker3d.live_stage import VIEWS, SpatialStage
 from neuralgaits.systems.walker3d.live_walk import SpatialLive, SpatialMoment
-from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.viewer import page_style
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT, line, note
-from neuralgaits.viewer.plant_sliders import add_plant_sliders
+from neuralgaits.viewer.plant_sliders import HEARD, add_plant_sliders
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.time_controls import add_time_controls
@@ -50,11 +49,10 @@ class SpatialPanel:
         server: viser.ViserServer,
         player: Player[SpatialLive],
         stage: SpatialStage,
-        gait: SpatialGait,
-        settings: Mapping[str, Slider],
+        robot: SpatialLive,
         title: str,
     ):
-        """Build the panel; `title` is one line of Markdown, `settings` are those of the plant."""
+        """Build the panel of a robot; `title` is one line of Markdown."""
         self._player = player
         self._stage = stage
         self._count = 0
@@ -66,15 +64,16 @@ class SpatialPanel:
         self._verdict = gui.add_html(_kept_apart("reading the proof file"))
         self._status = gui.add_html(line(WAITING, QUIET))
         self._add_push(gui)
+        self._add_commands(gui, robot.commands)
 
         def disturb(name: str, value: float) -> None:
             player.ask(lambda robot: robot.disturb(name, value))
 
         add_time_controls(gui, player, self._sliders, self.reset)
         views = gui.add_button_group("look from", tuple(VIEWS))
-        add_plant_sliders(gui, self._sliders, settings, disturb)
+        add_plant_sliders(gui, self._sliders, robot.settings, disturb)
         with gui.add_folder("The tube, and where the robot is"):
-            self._slices, drawn = TubeSlices(gait), gui.add_html("")
+            self._slices, drawn = TubeSlices(robot.run.controller.typical), gui.add_html("")
             self._tube = drawn
             slices = (
                 "Green: the tube's extent, less its middle, from touchdown to touchdown. Inside "
@@ -128,7 +127,22 @@ class SpatialPanel:
         shown: SpatialMoment = picture.shown
         if math.isnan(shown.share):
             return line(WAITING, QUIET)
-        return walk_line(picture, shown, self._player.speed) + tube_line(self._tube_name, shown)
+        lines = walk_line(picture, shown, self._player.speed) + told_line(shown)
+        return lines + tube_line(self._tube_name, shown)
+
+    def _add_commands(self, gui: viser.GuiApi, commands: Mapping[str, Slider]) -> None:
+        if not commands:
+            return
+        with gui.add_folder("Commands"):
+            for name, slider in commands.items():
+                handle = self._sliders.add(slider._replace(hint=HEARD))
+
+                def tell(_event: object, name=name, handle=handle, slider=slider):
+                    value = slider.clip(handle.value)
+                    if value is not None:
+                        self._player.ask(lambda robot: robot.tell(name, value * slider.unit))
+
+                handle.on_update(tell)
 
     def _add_push(self, gui: viser.GuiApi) -> None:
         with gui.add_folder("Push"):
@@ -148,6 +162,15 @@ class SpatialPanel:
         for key, way in zip(("J", "L", "I", "K"), WAYS, strict=True):
             command = gui.add_command(f"push {way.strip('◄► ')}", hotkey=key)
             command.on_trigger(lambda _event, way=way: push(way))
+
+
+def told_line(shown: SpatialMoment) -> str:
+    """Return the line about the speed of a gait that is told one; "" of any other."""
+    if not shown.told:
+        return ""
+    way = abs(shown.requested - shown.told) > 5e-4
+    goal = f", on the way to {shown.requested:.3f}" if way else ""
+    return line(f"This step was told {shown.told:.3f} m/s{goal}", QUIET)
 
 
 def tube_line(tube: str, shown: SpatialMoment) -> str:

@@ -5,20 +5,24 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
+import jax
+import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from neuralgaits._types import Float
+from neuralgaits._quick_jit import quick_jit
+from neuralgaits._types import Array, Float
 from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.setup.push import DURATION_S
 from neuralgaits.simulation.ticks.delay_line import DelayLine
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.walker3d.live_controllers import LiveController
-from neuralgaits.systems.walker3d.spatial_changes import TICK_S
+from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
+from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.systems.walker3d.spatial_ground import slope_of
-from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
+from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants, Standing, standing
 from neuralgaits.systems.walker3d.spatial_walks import LONGEST
-from neuralgaits.viewer.plant_sliders import plant_sliders, torso_slider
+from neuralgaits.viewer.plant_sliders import command_slider, plant_sliders, torso_slider
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
 
@@ -58,6 +62,9 @@ class SpatialMoment(NamedTuple):
         steps: touchdowns since the last start.
         speed: mean forward speed over the last whole step [m/s].
         force: push under way [N]. [3]
+        gait: the gait of this step.
+        told: speed that this step was told [m/s]; 0 if the gait takes none.
+        requested: speed to which the next touchdowns go [m/s]; 0 if the gait takes none.
         slope: rise of the floor per metre forward.
         ground: height of the floor below the hips [m].
         fall: why the walk ended; None while it goes on.
@@ -79,6 +86,9 @@ class SpatialMoment(NamedTuple):
     steps: int
     speed: float
     force: Float[np.ndarray, "3"]
+    gait: SpatialGait
+    told: float
+    requested: float
     slope: float
     ground: float
     fall: str | None
@@ -98,9 +108,21 @@ class SpatialLive:
     def __init__(self, run: FamilyRun):
         """Put the robot into the tube's middle, where it stands until it has a controller."""
         self.run = run
-        self._gait = gait = run.controller.typical
-        self.plants = SpatialPlants.started(run.data, gait, gait.starts(np.zeros((1, 3))))
-        self._first = self._world.qpos.copy(), self._world.qvel.copy()
+        self._command = command = run.config.command
+        self._requested = 0.0 if command is None else command.middle
+        gait, walker = run.controller, run.robot
+        # A module's method has no hash.
+        self._step = quick_jit(lambda pair: gait.step(pair))
+
+        def stand(pair: Float[Array, "2"]) -> Standing:
+            step, begin = gait.step(pair), jnp.zeros(())
+            middle = step.state(begin, step.tube.section(begin).centre)
+            return jax.tree.map(lambda row: row[None], standing(walker, step.policy, middle))
+
+        self._stand = quick_jit(stand)
+        self.plants = SpatialPlants.in_the_air(
+            run.data, 1, run.summary.step_m, SpatialChanges(), run.config.seed
+        )
         self._controller: LiveController | None = None
         self._longest = LONGEST * run.summary.step_s
         self.reset()
@@ -135,21 +157,42 @@ class SpatialLive:
         else:
             self.plants.change(changes)
 
+    @property
+    def commands(self) -> Mapping[str, Slider]:
+        """Return the sliders of what the gait is told, by name: one, or none."""
+        told = self._command
+        return {} if told is None else {told.name: command_slider(told)}
+
+    def tell(self, name: str, value: float) -> None:
+        """Request a value of a command, which touchdowns go to."""
+        del name
+        self._requested = value
+        if self._controller is not None:
+            self._controller.tell(value)
+
     def control_with(self, controller: LiveController) -> None:
         """Walk under this controller from now on."""
-        controller.start()
         self._controller = controller
+        self._start_controller()
+
+    def _start_controller(self) -> None:
+        if self._controller is not None:
+            self._controller.start(None if self._command is None else self._requested)
+
+    def _follow(self, pair: Float[np.ndarray, "2"]) -> None:
+        """Compare with the tube of a step that was told these speeds from now on."""
+        self._pair = pair
+        self._gait: SpatialGait = jax.tree.map(np.asarray, self._step(pair))
 
     def reset(self) -> None:
-        """Put the robot back into the tube's middle, on its right foot."""
-        world = self._world
-        world.qpos[:], world.qvel[:] = self._first
+        """Put the robot into the middle of its tube, on its right foot, told what is requested."""
+        self._follow(np.full(2, self._requested))
         # Level, lest the foot behind be born inside; a slope comes back as the robot walks.
         self.plants.turn_floor(Floor(0.0, 0.0))
-        self.plants.settle(0)
+        self.plants.put(self._stand(self._pair))
         self._delay(np.zeros(6))
-        if self._controller is not None:
-            self._controller.start()
+        self._start_controller()
+        world = self._world
         self._begun = self._touched = float(world.time)
         self._left = False
         self._steps = 0
@@ -182,6 +225,8 @@ class SpatialLive:
         done = self._controller.tick(self.plants)
         if done.left != self._left:
             self._touch_down(done.left)
+            if not np.array_equal(done.pair, self._pair):
+                self._follow(done.pair)
         self._z = done.z
         self._ticks += 1
         self._pending.append(done.z)
@@ -246,6 +291,9 @@ class SpatialLive:
             steps=self._steps,
             speed=float(world.qvel[0]) if mean is None else mean,
             force=np.append(self._pushing, 0.0),
+            gait=self._gait,
+            told=float(self._pair[1]),
+            requested=self._requested,
             slope=self.plants.slope,
             ground=self._floor.height(float(world.qpos[0])),
             fall=self._fall,

@@ -45,17 +45,8 @@ class SpatialPage(LivePage):
             self.player = Player(self.robot, self._show)
             self._stage = SpatialStage(self._server, run.data)
             self._stage.show(self.robot.shown())
-            command = run.config.command
-            told = "" if command is None else f", always told {command.middle:g} m/s"
-            title = f"**{markdown.text(run.config.robot)}**, seed {run.config.seed}, law `pd`{told}"
-            self._panel = SpatialPanel(
-                self._server,
-                self.player,
-                self._stage,
-                run.controller.typical,
-                self.robot.settings,
-                title,
-            )
+            title = f"**{markdown.text(run.config.robot)}**, seed {run.config.seed}, law `pd`"
+            self._panel = SpatialPanel(self._server, self.player, self._stage, self.robot, title)
         except BaseException:
             self.close()
             raise

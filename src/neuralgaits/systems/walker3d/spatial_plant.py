@@ -1,6 +1,7 @@
 """Many bipeds in MuJoCo at once, seen by a law as robots on their right foot."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -24,7 +25,9 @@ from neuralgaits.systems.walker3d.spatial_impact import SIGNS, SWAPPED
 from neuralgaits.systems.walker3d.spatial_laws import Measured, exact_reading, hips_of
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.systems.walker3d.spatial_motion import UP
+from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy
 from neuralgaits.systems.walker3d.spatial_pose import MIRROR
+from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 
 def reflected(found: Measured, left: Array) -> Measured:
@@ -36,6 +39,27 @@ def reflected(found: Measured, left: Array) -> Measured:
         jnp.asarray(np.where(on_left, SIGNS * rates[:, SWAPPED], rates)),
         jnp.asarray(np.where(on_left, velocity * MIRROR, velocity)),
     )
+
+
+class Standing(NamedTuple):
+    """A robot on its right foot, or many of them.
+
+    Attributes:
+        joints, rates: angles and rates in the order of `JOINTS` [rad], [rad/s]. [8], [8]
+        place, velocity: of the middle of the hips, the stance foot at the origin [m], [m/s].
+    """
+
+    joints: Float[Array, "*rows 8"]
+    rates: Float[Array, "*rows 8"]
+    place: Float[Array, "*rows 3"]
+    velocity: Float[Array, "*rows 3"]
+
+
+def standing(robot: SpatialWalker, policy: SpatialPolicy, z: Float[Array, "4"]) -> Standing:
+    """Return the robot in a state of the zero dynamics, with exact outputs."""
+    reading = exact_reading(robot, policy, z)
+    place = hips_of(robot, reading.joints)[1]
+    return Standing(reading.joints, reading.rates, place, reading.velocity)
 
 
 @dataclass
@@ -81,32 +105,37 @@ class SpatialPlants:
             seed: seed of the floor's random steps.
         """
         changes = SpatialChanges() if changes is None else changes
+        length = float(gait.policy.ends[1] - gait.policy.ends[0])
+        plants = cls.in_the_air(robot, len(states), length, changes, seed)
+        stand = quick_jit(jax.vmap(lambda z: standing(robot.walker, gait.policy, z)))
+        plants.put(stand(jnp.asarray(states)))
+        return plants
+
+    @classmethod
+    def in_the_air(
+        cls, robot: SpatialRobot, count: int, length: float, changes: SpatialChanges, seed: int
+    ) -> "SpatialPlants":
+        """Return so many robots that are to be put on a floor, for steps of this length [m]."""
         model = disturbed_model(robot, changes)
+        terrain = terrain_under(changes, count, seed, -length)
+        worlds = [mujoco.MjData(model) for _ in range(count)]
+        left = np.zeros(count, bool)
+        return cls(robot, changes, model, worlds, left, terrain, slope_of(changes))
 
-        def full(z: Array) -> tuple[Array, Array, Array, Array]:
-            reading = exact_reading(robot.walker, gait.policy, z)
-            place = hips_of(robot.walker, reading.joints)[1]
-            return reading.joints, reading.rates, place, reading.velocity
-
-        starts = quick_jit(jax.vmap(full))(jnp.asarray(states))
-        step = float(gait.policy.ends[1] - gait.policy.ends[0])
-        terrain = terrain_under(changes, len(states), seed, -step)
-        left = np.zeros(len(states), bool)
-        plants = cls(robot, changes, model, [], left, terrain, slope_of(changes))
-        rest = at_zero(model)
-        hips = [rest.xanchor[leg[0]] for leg in robot.tree.joints]
+    def put(self, standing: Standing) -> None:
+        """Put the robots on the floor where walks start. Fields of `standing` have N rows."""
+        rest = at_zero(self.model)
+        hips = [rest.xanchor[leg[0]] for leg in self.robot.tree.joints]
         base = 0.5 * (hips[0] + hips[1])
-        for q, dq, place, speed in zip(*map(np.asarray, starts), strict=True):
-            world = mujoco.MjData(model)
-            height = plants.radius * np.hypot(1.0, plants.slope)
+        height = self.radius * np.hypot(1.0, self.slope)
+        rows = map(np.asarray, standing)
+        for world, q, dq, place, speed in zip(self.worlds, *rows, strict=True):
             world.qpos[:3], world.qpos[3:] = place - base + height * UP, q
             world.qvel[:3], world.qvel[3:] = speed, dq
-            plants.worlds.append(world)
-        plants.lay_floors()
-        for one in range(len(states)):
-            plants.settle(one)
-        plants.first = np.array([world.qpos[0] for world in plants.worlds])
-        return plants
+        self.lay_floors()
+        for one in range(len(self.worlds)):
+            self.settle(one)
+        self.first = np.array([world.qpos[0] for world in self.worlds])
 
     def change(self, changes: SpatialChanges) -> None:
         """Go on in a plant that is compiled anew; the floor stays as it lies."""

@@ -229,14 +229,18 @@ class SpatialSystem(ExportedSystem):
         return conclude(bounds, level, told_speeds(self.table_of(config).chart) or "")
 
     @override
+    def state_size_of(self, config: SpatialConfig) -> int:
+        return self.state_size + (0 if config.command is None else 2)
+
+    @override
     def header(self, run: FamilyRun) -> ControllerHeader:
         return header_of(run)
 
-    def law(self, run: FamilyRun) -> Callable[[Float[Array, "20"]], dict[str, Array]]:
+    def law(self, run: FamilyRun) -> Callable[[Float[Array, " n"]], dict[str, Array]]:
         """Return the law `pd` of a robot on its right foot."""
         return law_of(run)
 
-    def states(self, run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count 20"]:
+    def states(self, run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count n"]:
         """Return random states near those of the tube."""
         return random_states(run, count, seed)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from neuralgaits._types import Array
+from neuralgaits._types import Array, Float
 from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 
@@ -28,7 +28,14 @@ class StepCommands:
         if self._told is None or self._limits is None:
             return
         for one in map(int, np.flatnonzero(touch)):
-            last, limits = self.pairs[one, 1], self._limits
-            asked = np.clip(next(self._told[one]), limits.low, limits.high)
-            (now,) = np.clip(asked, last - limits.change, last + limits.change)
-            self.pairs[one] = last, now
+            self.pairs[one] = following_pair(self.pairs[one], next(self._told[one]), self._limits)
+
+
+def following_pair(
+    pair: Float[np.ndarray, "2"], requested: Float[np.ndarray, "1"], limits: CommandLimits
+) -> Float[np.ndarray, "2"]:
+    """Return the values before and now after a touchdown, the latter as near as limits allow."""
+    last = pair[1]
+    wish = np.clip(requested, limits.low, limits.high)
+    (now,) = np.clip(wish, last - limits.change, last + limits.change)
+    return np.array([last, now])

@@ -24,10 +24,29 @@ typedef struct {
   int left;      /* whether that is the left foot */
   ng_real phase; /* 0 at the start of a step, 1 at its end */
   ng_real z[4];  /* hip forward and aside of that foot, m; L_y and n, kg m^2/s. Mirrored on the left */
+#ifdef NG_SPEED_LOW
+  ng_real requested; /* speed for the steps to come, see ng_walker3d_tell: m/s */
+  ng_real told[2];   /* speeds told to the step before and to this one: m/s */
+#endif
 } ng_walker3d;
 
-/* Begin a step on the right foot, or on the left one. */
+/*
+ * Begin a step on the right foot, or on the left one. A gait that is told its speed has then been told
+ * the middle of its range all the time.
+ */
 void ng_walker3d_start(ng_walker3d *self, int left);
+
+#ifdef NG_SPEED_LOW
+/* The same of a robot that has been told this speed all the time, m/s; clamped as by ng_walker3d_tell. */
+void ng_walker3d_start_at(ng_walker3d *self, int left, ng_real speed);
+
+/*
+ * The speed that the next touchdowns are to go to, m/s; at any time between two ticks. Each touchdown
+ * goes up to NG_SPEED_CHANGE towards it. A speed outside the range is clamped, a NaN keeps the last
+ * one. Returns: 0, or 1 if the speed was changed so.
+ */
+int ng_walker3d_tell(ng_walker3d *self, ng_real speed);
+#endif
 
 /*
  * One tick: the torques of the motors in the order of the joints, N m, within their limits. A touch
