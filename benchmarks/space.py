@@ -1,7 +1,8 @@
 """A gait in three dimensions beyond what tests look at: its model, its margins, its steps.
 
 The model against MuJoCo's floating base at random states of three robots: the one that is shipped
-and two with other masses, lengths and widths. Margins at many fresh points of each region. Steps
+and two with other masses, lengths and widths; the same of the forces, torques and impacts of random
+states of the zero dynamics. Margins at many fresh points of each region. Steps
 of the reduced hybrid dynamics, integrated, from random states on the face of the tube.
 
 STATES=100 compares fewer states, POINTS=10000 samples fewer points, STARTS=100 fewer starts; RUN
@@ -9,6 +10,7 @@ names a run that is there.
 """
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import jax
@@ -17,9 +19,12 @@ import numpy as np
 from common import ROOT, show, whole
 
 from neuralgaits._quick_jit import quick_jit
+from neuralgaits._types import Array
 from neuralgaits.systems.family_run import FamilyRun, open_family_run
 from neuralgaits.systems.family_training import train_family
 from neuralgaits.systems.proof_model import trace_conditions
+from neuralgaits.systems.walker3d.spatial_dynamics import loads
+from neuralgaits.systems.walker3d.spatial_impact import impact, mirrored_rates
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot, read_spatial, spatial_text
 from neuralgaits.systems.walker3d.spatial_motion import (
     angular_momentum,
@@ -28,9 +33,15 @@ from neuralgaits.systems.walker3d.spatial_motion import (
     mass_matrix,
     motion_of_rates,
 )
-from neuralgaits.systems.walker3d.spatial_pose import links_of, pose_of_joints
+from neuralgaits.systems.walker3d.spatial_pose import (
+    Outputs,
+    joints_of_pose,
+    links_of,
+    pose_of_joints,
+)
 from neuralgaits.systems.walker3d.spatial_step import step_from
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
+from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 from neuralgaits.systems.walker3d.tube_samples import sampled_margins
 from support.spatial_base import SpatialBase
 
@@ -95,6 +106,63 @@ def largest_difference(robot: SpatialRobot, count: int) -> float:
     return largest
 
 
+def outputs_of(robot: SpatialWalker) -> Callable[[Array], Outputs]:
+    """Return outputs that depend on all of the state, of the size of a robot's steps."""
+    size = robot.thigh.length + robot.shin.length
+    momentum = robot.mass * size * np.sqrt(robot.gravity * size)
+
+    def desired(z: Array) -> Outputs:
+        x, y, forward, aside = z[0] / size, z[1] / size, z[2] / momentum, z[3] / momentum
+        return Outputs(
+            pitch=0.05 + 0.3 * x + 0.1 * forward,
+            height=size * (0.89 + 0.2 * x * x + 0.05 * y),
+            ahead=size * (0.9 * x + 0.1 * (forward - 0.25)),
+            aside=size * (0.02 + 0.4 * y + 0.3 * aside),
+            lift=size * (0.05 - 0.1 * x + 0.1 * y * y),
+        )
+
+    return desired
+
+
+def difference_of_forces(robot: SpatialRobot, count: int) -> tuple[float, float]:
+    """Return the largest differences from MuJoCo of forces and torques, and of the impact.
+
+    Forces are in weights of the robot, torques in weights times a leg's length, rates after the
+    impact in rad/s, impulses in kg m/s for each kg.
+    """
+    walker, base = robot.walker, SpatialBase.of(robot)
+    size = walker.thigh.length + walker.shin.length
+    weight = walker.mass * walker.gravity
+    momentum = walker.mass * size * np.sqrt(walker.gravity * size)
+    desired, draw = outputs_of(walker), np.random.default_rng(8)
+    low = np.array([-0.13 * size, -0.04 * size, 0.2 * momentum, -0.07 * momentum])
+    high = np.array([0.13 * size, 0.04 * size, 0.3 * momentum, 0.07 * momentum])
+
+    def found(z: Array) -> tuple[Array, ...]:
+        now, needed = loads(walker, desired, z)
+        after = impact(walker, now.pose, now.motion, now.joints)
+        angles = joints_of_pose(walker, now.pose)
+        own = needed.accelerations, needed.ground, needed.torques, after.rates, after.impulse
+        return angles, now.joints, *own
+
+    rows = quick_jit(jax.vmap(found))(draw.uniform(low, high, (count, 4)))
+    largest, hardest, flip = 0.0, 0.0, np.array([1.0, -1.0, 1.0])
+    for q, dq, changes, ground, torques, rates, impulse in zip(*map(np.asarray, rows), strict=True):
+        embedding = base.place(q, dq)
+        forces = base.needed(embedding @ changes - np.pad(base.drift(0), (0, 8)))
+        moved = forces - base.jacobian(0).T @ forces[:3]
+        off = np.abs(ground - forces[:3]).max(), np.abs(torques - moved[5:]).max() / size
+        largest = max(largest, *(float(one) / weight for one in off))
+        # A plastic impact of the other foot, by MuJoCo's mass matrix and Jacobian.
+        mass, jacobian = base.mass_matrix(), base.jacobian(1)
+        system = np.block([[mass, -jacobian.T], [jacobian, np.zeros((3, 3))]])
+        after = np.linalg.solve(system, np.concatenate([mass @ base.data.qvel, np.zeros(3)]))
+        turned = np.asarray(mirrored_rates(jnp.asarray(after[3:11])))
+        off = np.abs(rates - turned).max(), np.abs(impulse - flip * after[11:]).max() / walker.mass
+        hardest = max(hardest, *map(float, off))
+    return largest, hardest
+
+
 def leaves(run: FamilyRun, count: int) -> int:
     """Return how many of many walks on the zero dynamics leave the tube at a grid of phases."""
     gait = run.controller
@@ -121,6 +189,9 @@ def main() -> None:
     states, points = whole("STATES", 1000), whole("POINTS", 10**6)
     for name, robot in robots().items():
         show(f"{name}: largest difference", f"{largest_difference(robot, states):.1e}", "1e-10")
+        forces, hard = difference_of_forces(robot, states)
+        show(f"{name}: forces and torques, in weights", f"{forces:.1e}", "1e-10")
+        show(f"{name}: impact, rates and impulse a kg", f"{hard:.1e}", "1e-10")
     folder = os.environ.get("RUN")
     if folder is None:
         folder = str(ROOT / "walker3d")
