@@ -130,12 +130,10 @@ class CompiledController:
 
     def tick(self, plants: SpatialPlants) -> TorqueTick:
         """Read the sensors of the only robot. Returns: torques, and where it is."""
-        (world,) = plants.worlds
-        q, dq = world.qpos, world.qvel
+        joints, rates, velocity = (rows[0] for rows in plants.readings())
         contact = (2 * ctypes.c_int)(*plants.touching(0))
-        reading = _Reading(
-            *q[3:5], *dq[3:5], _SIX(*q[5:]), _SIX(*dq[5:]), _THREE(*dq[:3]), 1, contact
-        )
+        legs = _SIX(*joints[2:]), _SIX(*rates[2:])
+        reading = _Reading(*joints[:2], *rates[:2], *legs, _THREE(*velocity), 1, contact)
         memory = ctypes.byref(self._memory)
         lost = self._library.ng_walker3d_tick(memory, ctypes.byref(reading), self._torques)
         torques = np.full(6, np.nan) if lost else np.array(self._torques)

@@ -315,7 +315,7 @@ class SpatialLive:
         self._prints.append(self._print(left=left))
 
     def _print(self, *, left: bool) -> Footprint:
-        place = self._world.geom_xpos[self.plants.robot.tree.feet[int(left)]]
+        place = self._world.geom_xpos[self.plants.tree.feet[int(left)]]
         x, y = float(place[0]), float(place[1])
         return Footprint(x, y, left, self._floor.height(x))
 

@@ -20,10 +20,15 @@ class SpatialChanges(PlantChanges):
 
     Attributes:
         torso_shift_left_m: the torso's centre of mass moves to the left by this [m].
+        torsional_friction_m: the yaw is free, and the feet resist twisting by this times the normal
+            force [m]; None holds the yaw.
     """
 
     torso_shift_left_m: float = quantity(
         0.0, -1.0, 1.0, "torso centre of mass moved to the left [m]"
+    )
+    torsional_friction_m: float | None = quantity(
+        None, 0.0, 1.0, "yaw free, feet that resist twisting by this times the normal force [m]"
     )
 
     def __post_init__(self):

@@ -11,8 +11,10 @@ from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.simulation.setup.changed_model import ModelParts, change_model, shift_weight
 from neuralgaits.simulation.setup.foot_planes import FLOOR_BITS, add_plane
 from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.systems.walker3d.free_yaw import free_yaw, resist_twisting
 from neuralgaits.systems.walker3d.spatial_changes import SpatialChanges
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
+from neuralgaits.systems.walker3d.spatial_tree import SpatialTree
 
 
 def slope_of(changes: SpatialChanges) -> float:
@@ -43,7 +45,8 @@ class SpatialGround(NamedTuple):
 def disturbed_model(robot: SpatialRobot, changes: SpatialChanges) -> mujoco.MjModel:
     """Compile the robot's file with a plane under each foot in place of its floor.
 
-    Bodies, joints, motors and feet keep their numbers: the planes come last.
+    Bodies, motors and feet keep their numbers, since the planes come last, and joints have those of
+    `plant_tree`.
     """
     numbers = compile_text(robot.text, robot.walker.name)
     spec = mujoco.MjSpec.from_string(robot.text)
@@ -60,8 +63,13 @@ def disturbed_model(robot: SpatialRobot, changes: SpatialChanges) -> mujoco.MjMo
         foot = list(spec.bodies[body].geoms)[place]
         foot.contype = foot.conaffinity = FLOOR_BITS[leg]
     floor.contype = floor.conaffinity = 0
+    if changes.torsional_friction_m is not None:
+        free_yaw(spec, robot.tree.bodies[0])
     model = spec.compile()
-    change_model(model, _parts(model, robot), changes, changes.friction)
+    parts = _parts(model, plant_tree(robot, changes))
+    change_model(model, parts, changes, changes.friction)
+    if changes.torsional_friction_m is not None:
+        resist_twisting(model, list(parts.contacts), changes.torsional_friction_m)
     shift = np.array([changes.torso_shift_m, changes.torso_shift_left_m, 0.0])
     if shift.any():
         shift_weight(model, robot.tree.bodies[0], shift)
@@ -74,13 +82,19 @@ def _place_of(model: mujoco.MjModel, geom: int) -> tuple[int, int]:
     return body, geom - int(model.body_geomadr[body])
 
 
-def _parts(model: mujoco.MjModel, robot: SpatialRobot) -> ModelParts:
+def plant_tree(robot: SpatialRobot, changes: SpatialChanges) -> SpatialTree:
+    """Return where the parts of a robot are in its `disturbed_model`."""
+    held = changes.torsional_friction_m is None
+    return robot.tree if held else robot.tree.with_free_yaw()
+
+
+def _parts(model: mujoco.MjModel, tree: SpatialTree) -> ModelParts:
     planes = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] >= model.nbody - 2]
-    motors = np.concatenate(robot.tree.motors)
+    motors = np.concatenate(tree.motors)
     gears = model.actuator_gear[motors, 0] * model.actuator_gainprm[motors, 0]
     return ModelParts(
-        contacts=[*robot.tree.feet, *planes],
-        joints=[joint for leg in robot.tree.joints for joint in leg],
+        contacts=[*tree.feet, *planes],
+        joints=[joint for leg in tree.joints for joint in leg],
         gears=dict(zip(motors.tolist(), gears.tolist(), strict=True)),
     )
 

@@ -13,11 +13,13 @@ from neuralgaits._types import Array, Bool, Float
 from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.systems.walker3d.free_yaw import along_heading
 from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.systems.walker3d.spatial_ground import (
     SpatialGround,
     disturbed_model,
+    plant_tree,
     slope_of,
     terrain_under,
 )
@@ -27,6 +29,7 @@ from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.systems.walker3d.spatial_motion import UP
 from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy
 from neuralgaits.systems.walker3d.spatial_pose import MIRROR
+from neuralgaits.systems.walker3d.spatial_tree import SpatialTree
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 
@@ -70,6 +73,7 @@ class SpatialPlants:
         robot: the file.
         changes: changes of the robot, its motors and sensors.
         model: MuJoCo's.
+        tree: where the robot's parts are in it.
         worlds: one a walk.
         left: whether each stands on its left foot.
         terrain: levels of the floor under each foot.
@@ -80,6 +84,7 @@ class SpatialPlants:
     robot: SpatialRobot
     changes: SpatialChanges
     model: mujoco.MjModel
+    tree: SpatialTree
     worlds: list[mujoco.MjData]
     left: Array
     terrain: Terrain
@@ -120,18 +125,20 @@ class SpatialPlants:
         terrain = terrain_under(changes, count, seed, -length)
         worlds = [mujoco.MjData(model) for _ in range(count)]
         left = np.zeros(count, bool)
-        return cls(robot, changes, model, worlds, left, terrain, slope_of(changes))
+        tree = plant_tree(robot, changes)
+        return cls(robot, changes, model, tree, worlds, left, terrain, slope_of(changes))
 
     def put(self, standing: Standing) -> None:
         """Put the robots on the floor where walks start. Fields of `standing` have N rows."""
         rest = at_zero(self.model)
-        hips = [rest.xanchor[leg[0]] for leg in self.robot.tree.joints]
+        hips = [rest.xanchor[leg[0]] for leg in self.tree.joints]
         base = 0.5 * (hips[0] + hips[1])
         height = self.radius * np.hypot(1.0, self.slope)
-        rows = map(np.asarray, standing)
+        rows, at = map(np.asarray, standing), self.tree.coordinates
         for world, q, dq, place, speed in zip(self.worlds, *rows, strict=True):
-            world.qpos[:3], world.qpos[3:] = place - base + height * UP, q
-            world.qvel[:3], world.qvel[3:] = speed, dq
+            world.qpos[:] = world.qvel[:] = 0.0
+            world.qpos[at] = np.concatenate([place - base + height * UP, q])
+            world.qvel[at] = np.concatenate([speed, dq])
         self.lay_floors()
         for one in range(len(self.worlds)):
             self.settle(one)
@@ -172,10 +179,20 @@ class SpatialPlants:
         return own if most is None else np.minimum(own, most)
 
     def readings(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return joints, rates and velocity of the hips as they are: [N, 8], [N, 8], [N, 3]."""
-        q = np.array([world.qpos[3:] for world in self.worlds])
-        dq = np.array([world.qvel[3:] for world in self.worlds])
-        return q, dq, np.array([world.qvel[:3] for world in self.worlds])
+        """Return joints, rates and velocity of the hips as they are: [N, 8], [N, 8], [N, 3].
+
+        The velocity is forward, to the left and up of the robot, wherever it heads.
+        """
+        at = self.tree.coordinates
+        q = np.array([world.qpos[at[3:]] for world in self.worlds])
+        dq = np.array([world.qvel[at] for world in self.worlds])
+        return q, dq[:, 3:], along_heading(dq[:, :3], self.yaws())
+
+    def yaws(self) -> Float[np.ndarray, " N"]:
+        """Return where robots head, from the x axis to the left [rad]; 0 with the yaw held."""
+        if self.tree.yaw is None:
+            return np.zeros(len(self.worlds))
+        return np.array([world.qpos[self.tree.yaw] for world in self.worlds])
 
     def measured(self) -> Measured:
         """Return what exact sensors say, reflected where a robot stands on its left foot."""
@@ -209,7 +226,7 @@ class SpatialPlants:
 
     def foot_places(self, foot: Array) -> Float[np.ndarray, "N 3"]:
         """Return the middle of a foot of each robot, 0 the right one [m]."""
-        geoms = np.array(self.robot.tree.feet)[foot]
+        geoms = np.array(self.tree.feet)[foot]
         return np.array([w.geom_xpos[g] for w, g in zip(self.worlds, geoms, strict=True)])
 
     def landed(self) -> Array:
@@ -221,18 +238,18 @@ class SpatialPlants:
     @property
     def radius(self) -> float:
         """Radius of a foot [m]."""
-        return float(self.model.geom_size[self.robot.tree.feet[0], 0])
+        return float(self.model.geom_size[self.tree.feet[0], 0])
 
     def touching(self, one: int) -> tuple[bool, bool]:
         """Return whether the right and the left foot of a robot touch the floor."""
-        places = self.worlds[one].geom_xpos[list(self.robot.tree.feet)]
+        places = self.worlds[one].geom_xpos[list(self.tree.feet)]
         heights = places[:, 2] - self.terrain.levels[one] - self.slope * places[:, 0]
         right, left = self.ground.touched(heights, self.radius)
         return bool(right), bool(left)
 
     def hips(self, one: int) -> Float[np.ndarray, "3"]:
         """Return the middle of the hips [m]."""
-        return np.mean([self.worlds[one].xanchor[leg[0]] for leg in self.robot.tree.joints], axis=0)
+        return np.mean([self.worlds[one].xanchor[leg[0]] for leg in self.tree.joints], axis=0)
 
     def settle(self, one: int) -> None:
         """Compute what follows from positions and rates that were set."""
@@ -245,12 +262,12 @@ class SpatialPlants:
     def drive(self, one: int, own: Float[np.ndarray, "6"], push: Float[np.ndarray, "2"]) -> None:
         """Hold torques of the motors, right leg first, and a push, for a tick."""
         world, model = self.worlds[one], self.model
-        motors = np.concatenate(self.robot.tree.motors)
+        motors = np.concatenate(self.tree.motors)
         gains = model.actuator_gear[motors, 0] * model.actuator_gainprm[motors, 0]
         world.ctrl[motors] = np.clip(
             own / gains, model.actuator_ctrlrange[motors, 0], model.actuator_ctrlrange[motors, 1]
         )
-        world.xfrc_applied[self.robot.tree.bodies[0], :2] = push
+        world.xfrc_applied[self.tree.bodies[0], :2] = push
         for _ in range(self.ticks):
             mujoco.mj_step(model, world)
 
@@ -258,9 +275,10 @@ class SpatialPlants:
         """Return whether a robot has fallen: low hips, or a torso that leans aside by half."""
         walker, world = self.robot.walker, self.worlds[one]
         foot = int(self.left[one])
-        place = self.robot.tree.joints[foot][0]
+        place = self.tree.joints[foot][0]
         floor = self.terrain.levels[one, foot] + self.slope * world.xanchor[place, 0]
-        heights = [world.xanchor[leg[0], 2] - floor for leg in self.robot.tree.joints]
+        heights = [world.xanchor[leg[0], 2] - floor for leg in self.tree.joints]
         low = 0.7 * (walker.thigh.length + walker.shin.length)
-        upright = np.all(np.isfinite(world.qpos)) and np.abs(world.qpos[3:5]).max() < 0.5
+        lean = world.qpos[list(self.tree.root[3:])]
+        upright = np.all(np.isfinite(world.qpos)) and np.abs(lean).max() < 0.5
         return not upright or min(heights) < low

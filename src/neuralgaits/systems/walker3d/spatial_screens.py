@@ -1,8 +1,17 @@
 """Results about bipeds in three dimensions for a person."""
 
+import math
+
 from neuralgaits.records.simulated import disturbances
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.walker3d.spatial_walks import SpatialWalks
+
+
+def _heading(found: SpatialWalks) -> list[tuple[str, str]]:
+    """Return the line about the heading of walks whose yaw is free."""
+    if found.heading_rad is None:
+        return []
+    return [("heading", f"turned by up to {math.degrees(found.heading_rad):.1f} deg at the end")]
 
 
 def screen_of_walks(found: SpatialWalks) -> Screen:
@@ -22,6 +31,7 @@ def screen_of_walks(found: SpatialWalks) -> Screen:
             ("joint errors", f"up to {1e3 * found.largest_error_rad:.1f} mrad, push excluded"),
             ("in the tube", f"{100.0 * found.in_tube:.4g} % of ticks, push excluded"),
             ("torque", f"up to {found.largest_torque_nm:.0f} N m asked, {found.clamped:.2%} cut"),
+            *_heading(found),
             ("disturbed", ", ".join(changed) or "by nothing"),
             ("run", found.run),
         ],

@@ -1,12 +1,12 @@
 """Where the parts of the biped are in a compiled robot file, and what is not its tree."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
-from neuralgaits._types import Float
+from neuralgaits._types import Float, Int
 from neuralgaits.robots.mjcf.model_contents import HINGE, SLIDE, at_zero, joint_label, joints_on
 
 CLOSE = 1e-9
@@ -23,6 +23,7 @@ class SpatialTree:
         motors: on them, in the same order. [2][3]
         bodies: torso, then thigh and shin of either leg.
         feet: spheres that meet the floor.
+        yaw: joint of a yaw that is free; None if it is held, as in every robot file.
     """
 
     root: tuple[int, ...]
@@ -30,6 +31,23 @@ class SpatialTree:
     motors: tuple[tuple[int, ...], tuple[int, ...]]
     bodies: tuple[int, ...]
     feet: tuple[int, int]
+    yaw: int | None = None
+
+    @property
+    def coordinates(self) -> Int[np.ndarray, "11"]:
+        """Return where root, right leg and left leg are among MuJoCo's coordinates.
+
+        Each joint has one, so that these are the numbers of the joints; a file may have the left
+        leg first.
+        """
+        return np.array([*self.root, *self.joints[0], *self.joints[1]])
+
+    def with_free_yaw(self) -> "SpatialTree":
+        """Return the tree with a hinge between the slides and the lean: what follows moves on."""
+        x, y, z, roll, pitch = self.root
+        right, left = (tuple(joint + 1 for joint in leg) for leg in self.joints)
+        root = (x, y, z, roll + 1, pitch + 1)
+        return replace(self, root=root, joints=(right, left), yaw=roll)
 
 
 def children_of(model: mujoco.MjModel, body: int) -> list[int]:
@@ -101,7 +119,7 @@ def _root_problems(model: mujoco.MjModel, data: mujoco.MjData, root: int) -> Ite
     if any(kind == HINGE and abs(axis[2]) > 1.0 - CLOSE for kind, axis in root_joints):
         yield (
             "the torso's yaw is free, and point feet of this model do not resist twisting: delete "
-            "that hinge, and see what moment holds the yaw in the results"
+            "that hinge, and simulate with --disturb torsional_friction_m=0.05 to free it"
         )
         return
     expected_joints = ((SLIDE, 0), (SLIDE, 1), (SLIDE, 2), (HINGE, 0), (HINGE, 1))

@@ -57,6 +57,8 @@ class SpatialWalks(Record):
         in_tube: share of ticks at which the measured state is in the tube, where no push acts or
             has acted.
         clamped: share of ticks at which a motor was asked for more than its limit.
+        heading_rad: largest angle by which a robot had turned after all its steps; None if the yaw
+            is held, or no robot took them.
         push_ns, push_left_ns: impulse on the torso, forward and to the left; None without one.
         disturb: changes of the plant, see `spatial_changes`.
         sensing: `perfect` or `encoders`, whose numbers are in `disturb`.
@@ -76,6 +78,7 @@ class SpatialWalks(Record):
     largest_torque_nm: float
     in_tube: float
     clamped: float
+    heading_rad: float | None
     push_ns: float | None
     push_left_ns: float | None
     disturb: Disturb
@@ -236,6 +239,12 @@ def _place(step: SpatialGait, z: Float[Array, "4"]) -> tuple[Array, Array]:
     return step.policy.phase(z), step.distance(z)
 
 
+def _heading(plants: SpatialPlants, up: Array) -> float | None:
+    """Return the largest angle by which robots that stayed up have turned (rad)."""
+    held = plants.tree.yaw is None or not up.any()
+    return None if held else float(np.abs(plants.yaws()[up]).max())
+
+
 def simulate_walks(run: Any, plan: WalkPlan) -> SpatialWalks:
     """Simulate walks of a run, and return their record."""
     start_time = time.perf_counter()
@@ -256,6 +265,7 @@ def simulate_walks(run: Any, plan: WalkPlan) -> SpatialWalks:
         largest_torque_nm=done.peak_torque,
         in_tube=done.inside / max(done.calm, 1),
         clamped=done.clamped / max(done.ticks, 1),
+        heading_rad=_heading(plants, ~done.fell),
         push_ns=plan.push,
         push_left_ns=plan.push_left,
         disturb=vars(plan.changes),
