@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.full_order.held import Jerk
+from neuralgaits.certificate.levels.full_order.held import Jerk, rest_bound
 
 W, GAMMA = 50.0, 70.0
 JERK = Jerk(still=800.0, slope=2e5, push=20.0)
@@ -28,3 +28,9 @@ def test_push_and_peak_bear_the_errors_that_they_let_grow(hold, rest, radius):
     assert rest + mean < push < rest + error + 1.02 * (mean - error)
     if rest < 0.04:  # No more than it takes, unless the push is above it.
         assert errors[-1] == pytest.approx(peak, rel=1e-9)
+
+
+def test_the_law_s_own_error_has_room_and_is_not_asked_to_be_nothing():
+    """Bounds of 0.005 rad/s^2 were not proved of polynomials that are as good as that."""
+    assert rest_bound(np.array([[0.3, 0.4], [0.0, 0.1]])) == pytest.approx(0.55)
+    assert 0.01 < rest_bound(np.array([[3e-3, 4e-3]])) < 0.05

@@ -12,7 +12,6 @@ from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
 from neuralgaits.certificate.levels.full_order.held import (
-    REST,
     Held,
     Jerk,
     Kick,
@@ -20,6 +19,7 @@ from neuralgaits.certificate.levels.full_order.held import (
     kick_bounds,
     least_decay,
     push_bound,
+    rest_bound,
 )
 from neuralgaits.certificate.levels.full_order.inequalities import (
     after_impact,
@@ -176,10 +176,10 @@ class _SampledBounds:
             self.gamma = float(at_least(least_decay(off["law/slope"], full.bandwidth), DIGITS))
             # Polynomials err by waves, which a coarse grid misses.
             fine = grid(np.linspace(*full.ends, 161), np.linspace(0.0, 1.0, 17))
-            own = np.linalg.norm(evaluators.pushed(fine)["law"], axis=1).max()
+            own = evaluators.pushed(fine)["law"]
             # Largest error of fitted polynomials, as a multiple of the largest on a fine grid.
             room_of_fits = 1.2
-            self.rest = float(at_most(room_of_fits * REST * own, DIGITS))
+            self.rest = float(at_most(rest_bound(room_of_fits * own), DIGITS))
         for name in ("contact", "torque"):
             slopes = step[f"{name}/slope"] + off[f"{name}/push"] @ off["law/slope"]
             slopes = np.linalg.norm(slopes, axis=2)

@@ -9,8 +9,6 @@ from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_ra
 
 JERK = 1.04
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
-REST = 1.1
-"""Bound on a law's own error at xi = 0, as a multiple of the largest seen."""
 
 
 class Held(NamedTuple):
@@ -108,6 +106,14 @@ def push_bound(pushes: np.ndarray, law_slopes: np.ndarray) -> float:
     # Room, as a multiple of the largest slope seen, under exact linearisation and another law.
     room = 6.0 if law_slopes.any() else 1.5
     return room * frobenius(pushes)
+
+
+def rest_bound(errors: np.ndarray) -> float:
+    """Bound a law's own error at xi = 0, given those seen [rad/s^2]. [n, m]."""
+    # Room, as a multiple of the largest error seen; and the least bound [rad/s^2], because bounds
+    # of what polynomials leave of the torque are not proved for less, or cost many boxes.
+    room, least = 1.1, 0.025
+    return max(room * float(np.linalg.norm(errors, axis=1).max()), least)
 
 
 def least_decay(slopes: np.ndarray, bandwidth: float) -> float:

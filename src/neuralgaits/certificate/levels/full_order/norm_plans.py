@@ -10,7 +10,6 @@ import numpy as np
 
 from neuralgaits.certificate.levels.full_order.held import (
     JERK,
-    REST,
     Held,
     Jerk,
     Kick,
@@ -18,6 +17,7 @@ from neuralgaits.certificate.levels.full_order.held import (
     kick_bounds,
     least_decay,
     push_bound,
+    rest_bound,
 )
 from neuralgaits.certificate.levels.full_order.samples import GaitSamples, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
@@ -101,7 +101,7 @@ class NormPlans:
         self.gamma = least_decay(matrix @ along @ inverse_pair, bandwidth) if along.any() else usual
         self.gamma_share = self.gamma / usual
         self.largest = LARGEST_OF_LAW if along.any() else LARGEST
-        self.rest = REST * float(_size(own @ matrix.T).max())
+        self.rest = rest_bound(own @ matrix.T) if along.any() else 0.0
         value, slope, pushed = samples.slack
         self.slack = value, _size(slope @ inverse_pair), _size(pushed @ inverse)
         self.coupling = 1.15 * _size(samples.rate.in_xi @ inverse_pair)
