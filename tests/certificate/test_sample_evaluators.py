@@ -11,6 +11,7 @@ from neuralgaits.certificate.level_target import ControlAssumption, SearchTarget
 from neuralgaits.certificate.levels.disturbed import search as disturbed
 from neuralgaits.certificate.levels.full_order import sample_evaluators
 from neuralgaits.certificate.levels.full_order import search as full_order
+from neuralgaits.certificate.levels.full_order.norm_plans import LARGEST_OF_LAW, NormPlans
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.output_laws import ScheduledLaw
 from support.shipped_run import SHIPPED
@@ -76,3 +77,26 @@ def test_a_law_that_is_not_exact_is_evaluated_in_its_place(target):
         # Both grow as outputs do that nothing but themselves moves, to a fifth.
         own = 40.0**3 * np.concatenate([np.eye(4), np.eye(4)], axis=1)
         assert np.linalg.norm(seen["jerk/slope"][0] + own, 2) < 0.5 * 40.0**3
+
+
+@pytest.mark.slow
+def test_the_longest_hold_of_a_law_is_looked_for_where_its_decay_is_bounded(target):
+    """Bounds of the decay fail in larger sets, which exact linearisation may have."""
+    run = open_run(SHIPPED)
+    model = full_order.FullOrderModel(run.robot, run.gait, run.spec, 50.0)
+    scheduled = replace(target, control=ControlAssumption(scheduled=True))
+    assert scheduled.gains is not None
+    law = ScheduledLaw(scheduled.gains, run.gait)
+    looks = sample_evaluators.evaluators_of(model, law)
+    samples = sample_evaluators.sample_gait(looks)
+    assert samples is not None
+    # About the norm that is found for this gait.
+    matrix = np.array([[1.4, 2.3, 0.3, 0.1], [0, 1.7, 0.4, 0.1], [0, 0, 1.1, 0.3], [0, 0, 0, 0.4]])
+    plans = NormPlans(samples, 50.0, matrix, held=True)
+    best = plans.best()
+    assert best.hold > 1e-3
+    assert 0.95 * LARGEST_OF_LAW < best.radius <= LARGEST_OF_LAW
+    assert plans.rest > 0.0
+    exact = replace(samples, law=samples.law._replace(in_xi=0.0 * samples.law.in_xi))
+    wider = NormPlans(exact, 50.0, matrix, held=True)
+    assert wider.best().radius > LARGEST_OF_LAW and wider.rest == 0.0

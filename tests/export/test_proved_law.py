@@ -26,7 +26,7 @@ from neuralgaits.export.cases import NEVER, of_region
 from neuralgaits.export.reference import results_of
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.output_laws import ScheduledLaw
-from neuralgaits.gait.scheduled_gains import DEGREES, ScheduledGains
+from neuralgaits.gait.scheduled_gains import ScheduledGains
 from neuralgaits.records.exported import UncheckedExport
 from neuralgaits.records.law_proof import LawProof, summary_of
 from neuralgaits.robots.mjcf_state import StateMap
@@ -86,10 +86,8 @@ def state(run, u, xi, theorem):
     m = run.robot.n - 1
     law = None
     if shape.scheduled:
-        sizes = {name: tuple(n + 1 for n in degrees) for name, degrees in DEGREES.items()}
-        torque = np.reshape(shape.torque_gains, (m, *sizes["torque"]))
-        inertia = np.reshape(shape.inertia_gains, (m, m, *sizes["inertia"]))
-        law = ScheduledLaw(ScheduledGains(torque, inertia), run.gait)
+        lists = np.array(shape.torque_gains), np.array(shape.inertia_gains)
+        law = ScheduledLaw(ScheduledGains.from_lists(*lists, m), run.gait)
 
     @jax.jit
     @jax.vmap

@@ -365,17 +365,19 @@ class Conclusions {
     positive("disturbed/growth-slope", f.tube());
     not_negative("disturbed/jerk-push", f.tube());
     if (!(d.hold > 0.0 && d.error >= 0.0)) throw DoesNotFollow{"a hold or an error below zero"};
-    const I w(f.bandwidth), hold(d.hold), error(d.error), floor(f.floor), radius(f.radius);
-    const I mean = I(0.5) * hold * (I(1.0) + I(0.125) * gamma * hold);
-    const I peak = I(d.peak[0]) + I(d.peak[1]) * radius;
-    const I still = size(d.jerk) + (I(2.0) * w + size(d.jerk_push)) * peak;
+    const I hold(d.hold), error(d.error), floor(f.floor), radius(f.radius);
+    const I rate = I(2.0) * I(f.bandwidth) + size(d.jerk_push), grown = exp(rate * hold);
+    const I end = (grown - I(1.0)) / rate;
+    const I mean = (end - hold) / (rate * hold) + I(0.0625) * gamma * square(hold) * grown;
     const I start = floor + (radius - floor) * exp(-I(f.shrink) * square(I(f.start_strip)));
     const I earlier = exp(I(0.5) * gamma * hold) * radius / start;
-    const I growth = earlier * size(d.growth_slope);
-    need("error + hold growth < peak", error + hold * still, I(d.peak[0]));
-    need("hold slope of growth < slope of peak", hold * growth, I(d.peak[1]));
-    need("error + hold/2 (1 + gamma hold/8) growth < push", error + mean * still, I(d.push[0]));
-    need("hold/2 (1 + gamma hold/8) slope of growth < slope of push", mean * growth, I(d.push[1]));
+    for (const I& bound : {floor, radius}) {
+      const I most = size(d.jerk) + rate * error + earlier * size(d.growth_slope) * bound;
+      need("error + growth in a hold < peak", error + end * most,
+           I(d.peak[0]) + I(d.peak[1]) * bound);
+      need("error + mean growth in a hold < push", error + mean * most,
+           I(d.push[0]) + I(d.push[1]) * bound);
+    }
   }
 
   // Torques held through an impact, until the next tick: docs/level5.md, inequality 4. Returns a

@@ -9,6 +9,7 @@ the policy's feedback of z included: M = du/d(ddy), m by m and not symmetric. Bo
 z alone, so polynomials fitted to them once replace the mass matrix of every tick.
 """
 
+import math
 from dataclasses import dataclass
 
 import equinox as eqx
@@ -19,6 +20,7 @@ from numpy.polynomial.chebyshev import chebvander
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Float
+from neuralgaits.errors import InputError
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.tubes import chebyshev
@@ -26,8 +28,10 @@ from neuralgaits.robots import PlanarBiped
 
 MARGIN = np.array([0.04, 0.1])
 """How far beyond the tube the polynomials are fitted, in phase and in level."""
-DEGREES = {"torque": (16, 5), "inertia": (8, 2)}
-"""Degrees in phase and level. They leave 0.02 N m and 1.3 % on AMBER-3M, both walking, seed 0."""
+DEGREES = {"torque": (16, 8), "inertia": (10, 3)}
+"""Degrees in phase and level. They leave 0.004 N m and 0.5 % on AMBER-3M, walking, seed 0."""
+EARLIER_DEGREES = ({"torque": (16, 5), "inertia": (8, 2)},)
+"""Degrees that proof files from before may have."""
 _NODES = (32, 12)
 """Number of Chebyshev points along phase and level that the polynomials are fitted at."""
 
@@ -36,8 +40,8 @@ class ScheduledGains(eqx.Module):
     """Chebyshev series of torque and inertia over phase and level, each mapped to [-1, 1].
 
     Attributes:
-        torque: coefficients of u0 [N m]. [m, 17, 6]
-        inertia: coefficients of M [kg m^2]. [m, m, 9, 3]
+        torque: coefficients of u0 [N m]. [m, 17, 9]
+        inertia: coefficients of M [kg m^2]. [m, m, 11, 4]
     """
 
     torque: Float[Array, "m i j"]
@@ -65,6 +69,25 @@ class ScheduledGains(eqx.Module):
             grid = np.asarray(value).reshape(*_NODES, *value.shape[1:])
             series[name] = np.einsum("pi,lj,pl...->...ij", along, across, grid)
         return cls(**series)
+
+    @classmethod
+    def from_lists(
+        cls, torque: Float[Array, " t"], inertia: Float[Array, " k"], m: int
+    ) -> "ScheduledGains":
+        """Return the gains with these coefficients, whose number tells the degrees.
+
+        Raises: InputError if no degrees have so many.
+        """
+        for degrees in (DEGREES, *EARLIER_DEGREES):
+            sizes = {name: tuple(n + 1 for n in pair) for name, pair in degrees.items()}
+            if len(torque) == m * math.prod(sizes["torque"]):
+                shapes = (m, *sizes["torque"]), (m, m, *sizes["inertia"])
+                if len(inertia) == math.prod(shapes[1]):
+                    return cls(torque.reshape(shapes[0]), inertia.reshape(shapes[1]))
+        raise InputError(
+            f"expected the coefficients of torque and inertia that {m} joints have under "
+            f"scheduled-pd, found {len(torque)} and {len(inertia)}: prove the run again"
+        )
 
     def torque_at(self, u: Float[Array, "2"]) -> Actuated:
         """Return the feed-forward torque at (phase, level). [m] (N m)."""

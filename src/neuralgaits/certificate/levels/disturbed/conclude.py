@@ -7,6 +7,7 @@ from flint import arb
 
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     decay,
+    error_rate,
     factor,
     first_kick,
     growth,
@@ -86,6 +87,7 @@ def constant_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> li
 def _hold_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
     still, slope = growth(full, disturbed)
     radius = arb(full.radius)
+    last = (error_rate(full, disturbed) * arb(disturbed.hold)).exp()
     return [
         TheoremConstant("hold", disturbed.hold, "s", "torques may be held for this long", "least"),
         TheoremConstant(
@@ -96,7 +98,7 @@ def _hold_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[
             "|S e| up to this leaves forces and torques", "most",
         ),
         TheoremConstant(
-            "growth", above(still + slope * radius), "rad/s^3",
+            "growth", above(last * (still + slope * radius)), "rad/s^3",
             "|S e| grows by no more while torques are held", "most",
         ),
         TheoremConstant(

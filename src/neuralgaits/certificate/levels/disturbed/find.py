@@ -12,7 +12,6 @@ from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
 from neuralgaits.certificate.levels.full_order.held import (
-    REST,
     Held,
     Jerk,
     Kick,
@@ -20,6 +19,7 @@ from neuralgaits.certificate.levels.full_order.held import (
     kick_bounds,
     least_decay,
     push_bound,
+    rest_bound,
 )
 from neuralgaits.certificate.levels.full_order.inequalities import (
     after_impact,
@@ -73,7 +73,6 @@ def find_disturbed(
     if free_clock and hold == 0.0:
         return "what a torque held through an impact adds to outputs does not fit into the set"
     held = sampled.held(hold) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
-    assert held is not None
     # Any more that the floor bears.
     more = sampled.most(held.push[1]) - held.push[0]
     extra = _largest(more, lambda extra: sampled.stands(hold, _raised(held, extra)))
@@ -177,10 +176,10 @@ class _SampledBounds:
             self.gamma = float(at_least(least_decay(off["law/slope"], full.bandwidth), DIGITS))
             # Polynomials err by waves, which a coarse grid misses.
             fine = grid(np.linspace(*full.ends, 161), np.linspace(0.0, 1.0, 17))
-            own = np.linalg.norm(evaluators.pushed(fine)["law"], axis=1).max()
+            own = evaluators.pushed(fine)["law"]
             # Largest error of fitted polynomials, as a multiple of the largest on a fine grid.
             room_of_fits = 1.2
-            self.rest = float(at_most(room_of_fits * REST * own, DIGITS))
+            self.rest = float(at_most(rest_bound(room_of_fits * own), DIGITS))
         for name in ("contact", "torque"):
             slopes = step[f"{name}/slope"] + off[f"{name}/push"] @ off["law/slope"]
             slopes = np.linalg.norm(slopes, axis=2)
@@ -200,17 +199,14 @@ class _SampledBounds:
         )
         self.u, self.kick = u, _kick_bounds(evaluators, full) if free_clock else None
 
-    def held(self, hold: float) -> Held | None:
+    def held(self, hold: float) -> Held:
         """Bound the errors of torques that are exact when set and then held, with room."""
         full = self.full
         start = full.least_radius + (full.radius - full.least_radius) * math.exp(
             -full.shrink * full.start_strip**2
         )
+        pairs = self.jerk.held(hold, self.error, full.bandwidth, self.gamma, self.rest)
         # The proof takes the bound at the start's strip for the one at phase 0, which is more.
-        reach = full.radius * full.radius / start
-        pairs = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma, self.rest)
-        if pairs is None:
-            return None
         above = (1.0 + 1e-9) * full.radius / start / SHARE_BELOW
         push, peak = (tuple(above * x for x in pair) for pair in pairs)
         return Held((push[0], push[1]), (peak[0], peak[1]))
@@ -249,10 +245,10 @@ class _SampledBounds:
         taken = (1.0 + SPENT) * kick.peak * contact.push
         return bool((taken < contact.left)[early].all())
 
-    def stands(self, hold: float, held: Held | None) -> bool:
+    def stands(self, hold: float, held: Held) -> bool:
         """Return whether floor, decay, barriers, contact and torques allow it."""
         full = self.full
-        if held is None or held.push[0] > self.most(held.push[1]):
+        if held.push[0] > self.most(held.push[1]):
             return False
         shrinks = 4.0 * full.shrink * full.ends[1] * full.pace[1]
         if shrinks > SHARE_BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):

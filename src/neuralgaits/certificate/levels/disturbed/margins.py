@@ -29,7 +29,7 @@ from neuralgaits.certificate.levels.full_order.model import (
 )
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, FullOrderConstants
 from neuralgaits.gait.output_laws import ExactLinearisation, OutputLaw, ScheduledLaw
-from neuralgaits.gait.scheduled_gains import DEGREES, ScheduledGains
+from neuralgaits.gait.scheduled_gains import ScheduledGains
 from neuralgaits.robots.linear import pivots
 
 FORCES = ("contact", "torque")
@@ -119,11 +119,8 @@ def _law(
     """Return the control law that the theorem is about."""
     if not disturbed.scheduled:
         return ExactLinearisation()
-    m = model.size // 2
-    sizes = {name: tuple(n + 1 for n in degrees) for name, degrees in DEGREES.items()}
-    torque = parts["torque_gains"].reshape(m, *sizes["torque"])
-    inertia = parts["inertia_gains"].reshape(m, m, *sizes["inertia"])
-    return ScheduledLaw(ScheduledGains(torque, inertia), model.gait)
+    lists = parts["torque_gains"], parts["inertia_gains"]
+    return ScheduledLaw(ScheduledGains.from_lists(*lists, m=model.size // 2), model.gait)
 
 
 def _forces(its: LawErrors, xi: Outputs, peak: Scalar) -> Quantities:

@@ -52,7 +52,7 @@ def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> lis
         )
     if disturbed.free_clock:
         rows += _kick_inequalities(full, disturbed)
-    return rows + (_hold_inequalities(full, disturbed, gamma) if disturbed.hold != 0.0 else [])
+    return rows + (_hold_inequalities(full, disturbed) if disturbed.hold != 0.0 else [])
 
 
 def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Inequality]:
@@ -119,39 +119,49 @@ def error_rate(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     return 2 * arb(full.bandwidth) + abs(arb(disturbed.jerk_push))
 
 
-def _hold_inequalities(
-    full: FullOrderConstants, disturbed: DisturbedConstants, gamma: arb
-) -> list[Inequality]:
-    """Return inequalities by which a hold's error stays under peak and, in the mean, under push."""
-    zero, hold, error = arb(0), arb(disturbed.hold), arb(disturbed.error)
-    mean = hold / 2 * (1 + gamma * hold / 8)
-    still, slope = growth(full, disturbed)
-    # Inequality 3 of docs/level5.md; `mean` is its tau.
-    return [
-        Inequality("0 < hold", zero, hold),
+def _hold_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Inequality]:
+    """Return inequalities by which a hold's error stays under peak and, in the mean, under push.
+
+    Both sides are affine in the bound on sqrt(V), so its least and largest values suffice.
+    """
+    hold, error = arb(disturbed.hold), arb(disturbed.error)
+    # Inequality 3 of docs/level5.md.
+    rows = [
+        Inequality("0 < hold", arb(0), hold),
         _not_above("0 <= error", 0.0, disturbed.error),
-        Inequality("error + hold growth < peak", error + hold * still, arb(disturbed.peak[0])),
-        Inequality("hold slope of growth < slope of peak", hold * slope, arb(disturbed.peak[1])),
-        Inequality(
-            "error + hold/2 (1 + gamma hold/8) growth < push",
-            rest(disturbed) + error + mean * still,
-            arb(disturbed.push[0]),
-        ),
-        Inequality(
-            "hold/2 (1 + gamma hold/8) slope of growth < slope of push",
-            mean * slope,
-            arb(disturbed.push[1]),
-        ),
     ]
+    if not rows[0].holds:
+        return rows
+    still, slope = growth(full, disturbed)
+    at_end, in_mean = _grown(full, disturbed)
+    errors = disturbed.peak, disturbed.push
+    for name, radius in (("least radius", full.least_radius), ("radius", full.radius)):
+        bound = arb(radius)
+        most = still + slope * bound
+        peak, push = (arb(first) + arb(second) * bound for first, second in errors)
+        at_tick = error + at_end * most
+        mean = rest(disturbed) + error + in_mean * most
+        rows += [
+            Inequality(f"error + growth in a hold < peak at the {name}", at_tick, peak),
+            Inequality(f"error + mean growth in a hold < push at the {name}", mean, push),
+        ]
+    return rows
+
+
+def _grown(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[arb, arb]:
+    """Return c and mu of docs/level5.md: growth in a hold and in its mean, of a unit rate [s]."""
+    hold, rate = arb(disturbed.hold), error_rate(full, disturbed)
+    end = ((rate * hold).exp() - 1) / rate
+    bent = decay(full, disturbed) * hold**2 * (rate * hold).exp() / 16
+    return end, (end - hold) / (rate * hold) + bent
 
 
 def growth(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[arb, arb]:
-    """Return (first, second): under held torques |S e| grows by at most first + second R.
+    """Return (first, second): at a tick |S e| grows by at most first + second R.
 
-    R is the bound on sqrt(V) [rad/s^3, rad/s^3 per rad].
+    R is the bound on sqrt(V) [rad/s^3, rad/s^3 per rad], at any later moment of the hold.
     """
-    peak = arb(disturbed.peak[0]) + arb(disturbed.peak[1]) * arb(full.radius)
-    still = abs(arb(disturbed.jerk)) + error_rate(full, disturbed) * peak
+    still = abs(arb(disturbed.jerk)) + error_rate(full, disturbed) * arb(disturbed.error)
     # The bound on V was larger when the hold began, or at phase 0 if the phase is below.
     earlier = (decay(full, disturbed) * arb(disturbed.hold) / 2).exp() * arb(full.radius)
     earlier /= bound_at(full, arb(full.start_strip))

@@ -9,8 +9,6 @@ from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_ra
 
 JERK = 1.04
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
-REST = 1.1
-"""Bound on a law's own error at xi = 0, as a multiple of the largest seen."""
 
 
 class Held(NamedTuple):
@@ -57,29 +55,22 @@ class Jerk(NamedTuple):
         hold: float,
         error: float,
         bandwidth: float,
-        radius: float,
         gamma: float | None = None,
         rest: float = 0.0,
-    ) -> Held | None:
+    ) -> Held:
         """Bound the errors of held torques that are off by |S e| = error when they are set.
 
-        Returns None if there is no bound. `radius` bounds sqrt(V) in the set, gamma is the
-        decay of V, the usual one if not given, and rest bounds the law's own error at xi = 0,
-        which the mean includes. Source: docs/level5_proof.md.
+        gamma is the decay of V, the usual one if not given, and rest bounds the law's own error
+        at xi = 0, which the mean includes. Source: docs/level5_proof.md.
         """
-        gamma, back = gamma or float(lyapunov_rate(bandwidth)), 2.0 * bandwidth + self.push
-        if hold * back >= 0.5:
-            return None
-        mean = 0.5 * hold * (1.0 + gamma * hold / 8.0)
+        gamma, rate = gamma or float(lyapunov_rate(bandwidth)), 2.0 * bandwidth + self.push
+        end = math.expm1(rate * hold) / rate
+        mean = (end - hold) / (rate * hold) + gamma * hold * hold * math.exp(rate * hold) / 16.0
+        still = self.still + rate * error
         growth = math.exp(0.5 * gamma * hold) * self.slope
-        first = (error + hold * (self.still + back * hold * growth * radius)) / (1.0 - hold * back)
-        fast = self.still + back * (first + hold * growth * radius)
-        push, peak = rest + error + mean * fast, error + hold * fast
-        if push > peak:
-            # A peak is no less than a push, and a larger one lets errors grow faster.
-            exact = rest + error + mean * (self.still + back * hold * growth * radius)
-            push = peak = exact / (1.0 - mean * back)
-        return Held((push, mean * growth), (peak, hold * growth))
+        push, peak = rest + error + mean * still, error + end * still
+        # A peak is no less than a push.
+        return Held((push, mean * growth), (max(push, peak), end * growth))
 
     def kicked(self, first: float, hold: float, bandwidth: float, radius: float) -> Kick:
         """Bound the errors of torques held through an impact, given that right after it."""
@@ -115,6 +106,14 @@ def push_bound(pushes: np.ndarray, law_slopes: np.ndarray) -> float:
     # Room, as a multiple of the largest slope seen, under exact linearisation and another law.
     room = 6.0 if law_slopes.any() else 1.5
     return room * frobenius(pushes)
+
+
+def rest_bound(errors: np.ndarray) -> float:
+    """Bound a law's own error at xi = 0, given those seen [rad/s^2]. [n, m]."""
+    # Room, as a multiple of the largest error seen; and the least bound [rad/s^2], because bounds
+    # of what polynomials leave of the torque are not proved for less, or cost many boxes.
+    room, least = 1.1, 0.025
+    return max(room * float(np.linalg.norm(errors, axis=1).max()), least)
 
 
 def least_decay(slopes: np.ndarray, bandwidth: float) -> float:

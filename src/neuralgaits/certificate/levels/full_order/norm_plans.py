@@ -10,7 +10,6 @@ import numpy as np
 
 from neuralgaits.certificate.levels.full_order.held import (
     JERK,
-    REST,
     Held,
     Jerk,
     Kick,
@@ -18,6 +17,7 @@ from neuralgaits.certificate.levels.full_order.held import (
     kick_bounds,
     least_decay,
     push_bound,
+    rest_bound,
 )
 from neuralgaits.certificate.levels.full_order.samples import GaitSamples, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
@@ -35,6 +35,8 @@ STRIP = 0.97
 """Phase at which the guard's strip begins."""
 LARGEST = 0.2
 """Largest radius that is tried for a set without pushes [rad]."""
+LARGEST_OF_LAW = 6.5e-3
+"""Largest radius that is tried where a law is not exact [rad]: bounds on its decay fail beyond."""
 GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
 """Barrier gains alpha that are tried [1/s]."""
 
@@ -98,7 +100,8 @@ class NormPlans:
         # Where a law is not exact: the decay that is left of the usual, and its error at xi = 0.
         self.gamma = least_decay(matrix @ along @ inverse_pair, bandwidth) if along.any() else usual
         self.gamma_share = self.gamma / usual
-        self.rest = REST * float(_size(own @ matrix.T).max())
+        self.largest = LARGEST_OF_LAW if along.any() else LARGEST
+        self.rest = rest_bound(own @ matrix.T) if along.any() else 0.0
         value, slope, pushed = samples.slack
         self.slack = value, _size(slope @ inverse_pair), _size(pushed @ inverse)
         self.coupling = 1.15 * _size(samples.rate.in_xi @ inverse_pair)
@@ -132,27 +135,24 @@ class NormPlans:
         """Return the set for a hold; its radius is 0 if there is none."""
         none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
         full = 0.985  # Share of the set that an impact may fill.
-        radius = floor = slower = 0.0
-        kick = Kick()
-        bounds = self._hold_bounds(hold, radius) if hold > 0.0 and self.gamma > 0.0 else None
-        for _ in range(4):
-            if bounds is None:
-                return none
-            slower = 1.0 - 2.0 * self.factor * bounds.push[1] / self.gamma
-            if slower <= 0.2:
-                return none
-            # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep
-            # outputs.
-            floor = 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
-            left = math.exp(-slower * self.shrink * STRIP**2)
-            growth = max(self.gain, 1.1) / full
-            if growth * left >= 0.9:
-                return none
+        if not (hold > 0.0 and self.gamma > 0.0):
+            return none
+        bounds = self._hold_bounds(hold)
+        slower = 1.0 - 2.0 * self.factor * bounds.push[1] / self.gamma
+        if slower <= 0.2:
+            return none
+        # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep outputs.
+        floor = 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
+        left = math.exp(-slower * self.shrink * STRIP**2)
+        growth = max(self.gain, 1.1) / full
+        if growth * left >= 0.9:
+            return none
+        radius, kick = 0.0, Kick()
+        for _ in range(4 if self.kick else 1):  # What an impact adds depends on the radius.
             kick = self._kicked(hold, bounds, floor + (radius - floor) * left, radius)
             kicked = self.factor * hold * (kick.mean + self.rest) / full if self.kick else 0.0
             radius = (growth * floor * (1.0 - left) + kicked) / (1.0 - growth * left)
-            bounds = self._hold_bounds(hold, radius)
-        if bounds is None or radius > LARGEST:
+        if radius > self.largest:
             return none
         bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.samples.phase**2)
         value, slope, pushed = self.slack
@@ -173,9 +173,9 @@ class NormPlans:
             return none
         return Plan(self.matrix, hold, radius, floor, self.gamma_share * slower, sigma, self)
 
-    def _hold_bounds(self, hold: float, radius: float) -> Held | None:
+    def _hold_bounds(self, hold: float) -> Held:
         """Bound errors of a hold, that of the law at xi = 0 included."""
-        return self.jerk.held(hold, self.error, self.w, radius, self.gamma, self.rest)
+        return self.jerk.held(hold, self.error, self.w, self.gamma, self.rest)
 
     def _kicked(self, hold: float, bounds: Held, before: float, radius: float) -> Kick:
         """Bound errors from an impact to the next tick; `before` bounds sqrt(V) before it."""

@@ -1,6 +1,5 @@
 """Functions that the finder of level 4 evaluates, and the choice of the set."""
 
-import math
 from collections.abc import Callable, Mapping
 from functools import cache
 
@@ -71,10 +70,6 @@ def set_of(
         half_width = 1.0 / 800.0  # The size of the widest set costs more boxes.
         plan_shares = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
     plan = None
-    largest = math.inf
-    if pushed and samples is not None and samples.law.in_xi.any():
-        # Largest radius tried where the law is not exact [rad]: bounds on its decay fail beyond it.
-        largest = 6.5e-3
     if samples is not None:
         plan = find_plan(samples, w, error) if pushed else find_widest(samples, w)
     tries: list[tuple[float, Plan | None]] = []
@@ -82,7 +77,7 @@ def set_of(
     # Shares of the largest radius seen at points.
     tries += [(share, None) for share in (0.6, 0.3, 0.1)]
     for share, planned in tries:
-        if planned is not None and not 0.0 < planned.radius <= largest:
+        if planned is not None and planned.radius == 0.0:
             continue
         constants = find_full_order(evaluators, model.names, w, share, planned)
         if isinstance(constants, str):
