@@ -235,7 +235,7 @@ class LiveGait:
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
         """Return margins of all conditions at a state, or at the nearest state where they apply.
 
-        For a family, they belong to the gait on the board; there are none at other commands.
+        For a family, they belong to the gait on the chart; there are none at other commands.
         """
         conditions = self.run.spec.conditions
         with np.errstate(all="ignore"):
@@ -268,7 +268,7 @@ class LiveGait:
 
     @property
     def _elsewhere(self) -> bool:
-        """Return whether the robot's command differs from that of the gait on the board."""
+        """Return whether the robot's command differs from that of the gait on the chart."""
         return not np.allclose(self.live.commands, self._first, atol=1e-9)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
