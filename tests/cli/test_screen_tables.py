@@ -532,3 +532,12 @@ def test_doctor_ends_with_one_line_that_sums_up(
     compiler = DOCTOR["compiler"] | {"needed": needed}
     robot_screen.show_findings(Machine.of(DOCTOR | {"compiler": compiler}))
     assert capsys.readouterr().out.splitlines()[-1] == last
+
+
+def test_a_column_without_content_takes_no_room(capsys: Captured, monkeypatch: Environment) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    found = "cpu (cpu), 2 cores, jax 0.10.2, ready for all"
+    show_table(("what", "found", "a remedy"), [("jax", found, "")])
+    head, row = capsys.readouterr().out.splitlines()
+    assert head.split() == ["what", "found"]
+    assert row.split(maxsplit=1) == ["jax", found]
