@@ -21,6 +21,7 @@ from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.checked import ProofCheck
 from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.exported import ControllerExport
+from neuralgaits.records.final_boxes import boxes_of_proof
 from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
@@ -541,3 +542,13 @@ def test_a_column_without_content_takes_no_room(capsys: Captured, monkeypatch: E
     head, row = capsys.readouterr().out.splitlines()
     assert head.split() == ["what", "found"]
     assert row.split(maxsplit=1) == ["jax", found]
+
+
+def test_each_number_of_boxes_says_which_it_is(capsys: Captured, monkeypatch: Environment) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    proof = SHIPPED / "certificate" / "proof.json"
+    brief.brief_proof(CertificateRecord.of(PROOF | {"proof": str(proof)}))
+    count = boxes_of_proof(proof)
+    assert f"15703 bounded in the search, {count} in the proof file" in capsys.readouterr().out
+    brief.brief_check(ProofCheck.of(CHECK))
+    assert "4402 bounded in the check" in capsys.readouterr().out
