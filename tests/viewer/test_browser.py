@@ -72,20 +72,20 @@ def test_the_page_shows_the_walk_and_every_condition(live, page):
 
 def test_a_push_is_given(live, page):
     given = live.gait.live.impulse_given.copy()
-    page.get_by_role("button", name="forward").click()
+    page.get_by_role("button", name="forward").click(timeout=300_000)
     until(lambda: live.gait.live.impulse_given[0] > given[0] + 7.99)
     assert live.gait.live.impulse_given[1] == given[1]
 
 
 def test_pause_holds_and_goes_on(live, page):
-    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="Pause").click(timeout=300_000)
     until(lambda: live.player.paused)
     frames = live.player.frames
     until(lambda: live.player.frames > frames + 2)
     held = live.gait.live.time
     time.sleep(0.3)
     assert live.gait.live.time == held
-    page.get_by_role("button", name="Go on").click()
+    page.get_by_role("button", name="Go on").click(timeout=300_000)
     until(lambda: live.gait.live.time > held)
 
 
@@ -96,7 +96,7 @@ def test_a_number_beyond_the_slider_reaches_nothing_and_does_not_stay(live, page
     box.press("Enter")
     until(lambda: float(box.input_value()) == limits.high)
     assert limits.low <= live.gait.live.plant.disturbance.slope_deg <= limits.high
-    page.get_by_role("button", name="Restore robot and floor").click()
+    page.get_by_role("button", name="Restore robot and floor").click(timeout=300_000)
     until(lambda: live.gait.live.plant.disturbance.slope_deg == 0.0)
 
 
@@ -150,7 +150,7 @@ def test_a_fall_is_explained_and_reset(live, page):
     assert live.player.failure is None
     page.get_by_text("Fell: ").wait_for(timeout=300_000)
     assert live.gait.shown().fall is not None
-    page.get_by_role("button", name="Reset").click()
+    page.get_by_role("button", name="Reset").click(timeout=300_000)
     until(lambda: live.gait.shown().fall is None)
     page.get_by_text("Walks ·").wait_for(timeout=300_000)
 
