@@ -31,7 +31,8 @@ from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra, double_remainders
+from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra
+from neuralgaits.programs.algebras.double_remainders import double_remainders
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.native.bounder import Bounder
 from neuralgaits.programs.prune import prune, reading

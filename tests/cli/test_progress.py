@@ -70,8 +70,14 @@ def test_bars_on_a_terminal_fit_and_go_away() -> None:
     bars = [frame.rstrip() for frame in frames if "ETA" in frame or "boxes" in frame]
     # A line that ends in the middle of its last column was cut.
     assert any(re.match(r"loss 123 .*1400/1400 steps 0:00:0\d ETA 0:00:00$", bar) for bar in bars)
-    assert any(re.match(r"proved .*100\.0 %  123456 boxes 0:00:0\d$", bar) for bar in bars)
-    assert any(re.match(r"checked .*25\.0 %  1/4 boxes 0:00:0\d ETA ", bar) for bar in bars)
+    assert any(
+        re.match(r"proved .*100\.0 %  123456 boxes bounded in the search 0:00:0\d$", bar)
+        for bar in bars
+    )
+    assert any(
+        re.match(r"checked .*25\.0 %  1/4 boxes of the proof file 0:00:0\d ETA ", bar)
+        for bar in bars
+    )
     assert any("walking in MuJoCo 0:00:0" in frame for frame in frames)
     assert max(len(frame) for frame in frames) <= COLUMNS
     assert "…" not in sent
@@ -102,14 +108,14 @@ def test_a_proof_without_a_terminal_is_a_few_lines(capsys: pytest.CaptureFixture
             progress(k / 1000, 10 * k)
     lines = capsys.readouterr().err.splitlines()
     assert 10 <= len(lines) <= 12
-    assert lines[0] == "proved 0.0 %  0 boxes"
-    assert lines[-1] == "proved 100.0 %  10000 boxes"
+    assert lines[0] == "proved 0.0 %  0 boxes bounded in the search"
+    assert lines[-1] == "proved 100.0 %  10000 boxes bounded in the search"
     with CheckProgress() as progress:
         for done in range(501):
             progress(done, 500)
     lines = capsys.readouterr().err.splitlines()
     assert 10 <= len(lines) <= 12
-    assert lines[-1] == "checked 100.0 %  500/500 boxes"
+    assert lines[-1] == "checked 100.0 %  500/500 boxes of the proof file"
 
 
 def test_a_search_that_stands_still_says_so_now_and_then(

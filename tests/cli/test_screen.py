@@ -106,6 +106,10 @@ def test_a_run_that_fails_says_how_to_train_it_again(
     recipe = small_run.config.recipe_steps
     assert recipe > 4 and re.search(rf"train longer .*--steps {recipe} ", out)
     assert "another seed" in out and "--seed 1" in out
+    # The last lines say in words how it ended, and the command to give next.
+    result, following = out.splitlines()[-2:]
+    assert "the gait failed: 1 of 1 condition does not hold" in result
+    assert re.match(rf"next +neuralgaits train .*--steps {recipe} ", following)
 
 
 def test_of_a_gait_that_was_given_no_spec_is_to_be_loosened(

@@ -21,6 +21,7 @@ from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.checked import ProofCheck
 from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.exported import ControllerExport
+from neuralgaits.records.final_boxes import boxes_of_proof
 from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
@@ -532,3 +533,22 @@ def test_doctor_ends_with_one_line_that_sums_up(
     compiler = DOCTOR["compiler"] | {"needed": needed}
     robot_screen.show_findings(Machine.of(DOCTOR | {"compiler": compiler}))
     assert capsys.readouterr().out.splitlines()[-1] == last
+
+
+def test_a_column_without_content_takes_no_room(capsys: Captured, monkeypatch: Environment) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    found = "cpu (cpu), 2 cores, jax 0.10.2, ready for all"
+    show_table(("what", "found", "a remedy"), [("jax", found, "")])
+    head, row = capsys.readouterr().out.splitlines()
+    assert head.split() == ["what", "found"]
+    assert row.split(maxsplit=1) == ["jax", found]
+
+
+def test_each_number_of_boxes_says_which_it_is(capsys: Captured, monkeypatch: Environment) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    proof = SHIPPED / "certificate" / "proof.json"
+    brief.brief_proof(CertificateRecord.of(PROOF | {"proof": str(proof)}))
+    count = boxes_of_proof(proof)
+    assert f"15703 bounded in the search, {count} in the proof file" in capsys.readouterr().out
+    brief.brief_check(ProofCheck.of(CHECK))
+    assert "4402 bounded in the check" in capsys.readouterr().out

@@ -11,7 +11,8 @@ from neuralgaits.certificate.search import branch_and_bound
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra, double_remainders
+from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra
+from neuralgaits.programs.algebras.double_remainders import double_remainders
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra, taylor_remainders
 from neuralgaits.programs.evaluation import results
 from neuralgaits.programs.remainder_symbols import (

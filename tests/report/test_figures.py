@@ -14,7 +14,7 @@ import pytest
 from matplotlib._pylab_helpers import Gcf
 
 from neuralgaits import logs
-from neuralgaits.analysis.box_map import BoxMap
+from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 from neuralgaits.analysis.data import MeasuredWalk, ResidualData
 from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.residual_data import residual_data
@@ -37,6 +37,7 @@ from neuralgaits.report.figures import (
     gait_tiles,
     loss_curves,
     margins_orbit,
+    margins_region,
     phase_portrait,
     residual_field,
     return_map,
@@ -366,3 +367,16 @@ def orbit_log(run, data) -> Log:
         run.robot.joint_names,
         "orbit",
     )
+
+
+def test_pale_is_little_margin_on_both_maps(data):
+    boxes = BoxMap(
+        np.array([[[0.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]]] * 2),
+        np.full(2, BoxAnswer.PROVED),
+        np.array([0.1, 0.5]),
+    )
+    for figure in (margins_region.draw(data), certificate_map.draw(boxes)):
+        drawn = (one for axes in figure.axes for one in axes.collections)
+        mesh = next(one for one in drawn if one.get_array() is not None)
+        low, high = (np.sum(mesh.cmap(share)[:3]) for share in (0.5, 1.0))
+        assert low > high + 0.5

@@ -1,5 +1,6 @@
 """The page in a real browser: load, push, jump, fall, reset. Skipped only without Chromium."""
 
+import re
 import time
 
 import numpy as np
@@ -71,20 +72,20 @@ def test_the_page_shows_the_walk_and_every_condition(live, page):
 
 def test_a_push_is_given(live, page):
     given = live.gait.live.impulse_given.copy()
-    page.get_by_role("button", name="forward").click()
+    page.get_by_role("button", name="forward").click(timeout=300_000)
     until(lambda: live.gait.live.impulse_given[0] > given[0] + 7.99)
     assert live.gait.live.impulse_given[1] == given[1]
 
 
 def test_pause_holds_and_goes_on(live, page):
-    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("button", name="Pause").click(timeout=300_000)
     until(lambda: live.player.paused)
     frames = live.player.frames
     until(lambda: live.player.frames > frames + 2)
     held = live.gait.live.time
     time.sleep(0.3)
     assert live.gait.live.time == held
-    page.get_by_role("button", name="Go on").click()
+    page.get_by_role("button", name="Go on").click(timeout=300_000)
     until(lambda: live.gait.live.time > held)
 
 
@@ -95,27 +96,55 @@ def test_a_number_beyond_the_slider_reaches_nothing_and_does_not_stay(live, page
     box.press("Enter")
     until(lambda: float(box.input_value()) == limits.high)
     assert limits.low <= live.gait.live.plant.disturbance.slope_deg <= limits.high
-    page.get_by_role("button", name="Restore robot and floor").click()
+    page.get_by_role("button", name="Restore robot and floor").click(timeout=300_000)
     until(lambda: live.gait.live.plant.disturbance.slope_deg == 0.0)
 
 
-def test_a_click_on_the_map_puts_the_robot_there(live, page):
-    for close in page.locator(".mantine-Notification-closeButton").all():
-        close.click()
-    canvas = page.locator("canvas").first.bounding_box()
-    spot = where(live, live.gait.chart.z(np.array([0.45]), np.array([0.5]))[0], canvas)
+def test_a_click_on_the_chart_puts_the_robot_there(live, page):
+    area = page.locator(".phase-portrait rect[onclick]")
+    area.wait_for(timeout=300_000)
     said = []
     tell = live._panel.say
     live._panel.say = lambda answer: (said.append(answer), tell(answer))
-    page.mouse.click(*spot)
+    state = live.gait.chart.z(np.array([0.45]), np.array([0.5]))[0]
+    click_at(live, page, area, state)
     until(lambda: said)
     assert said[0].startswith("Put to z = ")
+    put = [float(one) for one in re.findall(r"-?\d+\.\d+", said[0])]
+    # A pixel is 1.5 mm and 0.1 kg m²/s.
+    np.testing.assert_allclose(put, state, atol=0.1)
+    assert abs(put[0] - state[0]) < 3e-3
     said.clear()
-    fence = live.gait.chart.z(np.array([0.5]), np.array([0.0]))[0]
-    below = fence - [0.0, 1.2]
-    page.mouse.click(*where(live, below, canvas))
+    below = live.gait.chart.z(np.array([0.5]), np.array([0.0]))[0] - [0.0, 1.2]
+    click_at(live, page, area, below)
     until(lambda: said)
     assert "outside of the region" in said[0]
+
+
+def test_a_typed_state_is_taken_too(live, page):
+    said = []
+    tell = live._panel.say
+    live._panel.say = lambda answer: (said.append(answer), tell(answer))
+    z1, z2 = live.gait.chart.z(np.array([0.4]), np.array([0.6]))[0]
+    field = page.locator("form input")
+    field.fill(f"{z1:.3f}, {z2:.2f}")
+    # The page sends what is typed at most every 50 ms.
+    page.wait_for_timeout(200)
+    field.press("Enter")
+    until(lambda: said)
+    assert said[0] == f"Put to z = ({z1:.3f} m, {z2:.2f} kg m²/s)."
+
+
+def test_the_chart_is_as_wide_as_the_panel_and_the_ball_is_on_it(page):
+    # At one moment: the ball is drawn anew twenty times a second.
+    chart, ball = page.evaluate(
+        "() => ['.phase-portrait', 'circle[stroke]']"
+        ".map((one) => document.querySelector(one).getBoundingClientRect().toJSON())"
+    )
+    # Its letters are 11 pixels high at 350.
+    assert chart["width"] >= 310.0
+    assert chart["x"] < ball["x"] < chart["x"] + chart["width"]
+    assert chart["y"] < ball["y"] < chart["y"] + chart["height"]
 
 
 def test_a_fall_is_explained_and_reset(live, page):
@@ -124,27 +153,16 @@ def test_a_fall_is_explained_and_reset(live, page):
     assert live.player.failure is None
     page.get_by_text("Fell: ").wait_for(timeout=300_000)
     assert live.gait.shown().fall is not None
-    page.get_by_role("button", name="Reset").click()
+    page.get_by_role("button", name="Reset").click(timeout=300_000)
     until(lambda: live.gait.shown().fall is None)
     page.get_by_text("Walks ·").wait_for(timeout=300_000)
 
 
-def where(live, z, canvas):
-    """Pixel of a state on the board, by a camera of our own: position, target, field of view."""
-    (client,) = live._server.get_clients().values()
-    camera = client.camera
-    board = live._stage._board
-    share = board._portrait.place(z)
-    across, up = board._corner + share * board._size
-    eye, target = np.asarray(camera.position), np.asarray(camera.look_at)
-    ahead = (target - eye) / np.linalg.norm(target - eye)
-    right = np.cross(ahead, [0.0, 0.0, 1.0])
-    right /= np.linalg.norm(right)
-    over = np.cross(right, ahead)
-    way = np.array([across, 0.0, up]) - eye
-    depth = way @ ahead
-    scale = 0.5 * canvas["height"] / np.tan(0.5 * camera.fov)
-    return (
-        canvas["x"] + 0.5 * canvas["width"] + scale * (way @ right) / depth,
-        canvas["y"] + 0.5 * canvas["height"] - scale * (way @ over) / depth,
-    )
+def click_at(live, page, area, z):
+    """Click a state on the chart, which is made anew after each submission."""
+    page.wait_for_timeout(500)
+    area.evaluate("(one) => one.scrollIntoView({block: 'center'})")
+    page.wait_for_timeout(500)
+    box = area.bounding_box()
+    across, up = live._panel.chart._portrait.place(np.asarray(z))
+    page.mouse.click(box["x"] + across * box["width"], box["y"] + (1.0 - up) * box["height"])

@@ -234,9 +234,10 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
 
 
 @pytest.mark.parametrize(
-    ("pace", "words"), [(0.004, "Plays below ×0.01: this"), (0.31, "Plays at ×0.31: this")]
+    ("pace", "words"),
+    [(0.004, "manages less than ×0.01"), (0.31, "asked ×1, this machine manages ×0.31")],
 )
-def test_a_slow_machine_does_not_play_at_zero(pace, words):
+def test_a_slow_machine_says_what_was_asked_and_what_it_manages(pace, words):
     assert words in slow_line(pace, 1.0)
 
 

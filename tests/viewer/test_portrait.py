@@ -1,4 +1,4 @@
-"""The board's picture: a pixel is a state, and looks like what is known of it."""
+"""The portrait's picture: a pixel is a state, and looks like what is known of it."""
 
 import json
 import re
@@ -8,6 +8,7 @@ from dataclasses import replace
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, quantities
@@ -17,10 +18,10 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     hashes,
     read_certificate,
 )
-from neuralgaits.viewer import markdown, phase_board, sureness
-from neuralgaits.viewer import portrait as board
-from neuralgaits.viewer.phase_board import portrait
+from neuralgaits.viewer import markdown, phase_chart, portrait_of_run, sureness
+from neuralgaits.viewer import portrait_drawing as drawing
 from neuralgaits.viewer.portrait import Portrait
+from neuralgaits.viewer.portrait_of_run import portrait
 from neuralgaits.viewer.sureness import how_sure, verdict_of
 from support.contrast import channels, contrast
 
@@ -46,9 +47,18 @@ def on_ground(drawn, ground):
     return share * drawn[..., :3] + (1.0 - share) * ground
 
 
+def pixels(portrait):
+    """Picture of the drawing in the inks of a light page: red, green, blue and opacity."""
+    figure = drawing.figure(portrait)
+    figure.set_dpi(288)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    return np.array(canvas.buffer_rgba()).astype(float)
+
+
 @pytest.fixture(scope="module")
 def drawn(plane):
-    return plane.draw().astype(float)
+    return pixels(plane)
 
 
 @pytest.fixture(scope="module", params=[LIGHT, DARK], ids=["light", "dark"])
@@ -56,26 +66,34 @@ def picture(request, drawn):
     return on_ground(drawn, request.param)
 
 
+def pixel(picture, portrait, z):
+    """Row and column of a state."""
+    x, y = phase_chart._pixels(portrait, z)
+    height, width, _ = picture.shape
+    return round(y / drawing.HEIGHT_PX * height), round(x / drawing.WIDTH_PX * width)
+
+
 def colour_at(picture, portrait, z):
     """Median colour around a state: a line of the flow does not matter."""
-    across, up = portrait.place(np.asarray(z))
-    height, width, _ = picture.shape
-    row, column = round((1.0 - up) * height), round(across * width)
+    row, column = pixel(picture, portrait, np.asarray(z))
     return np.median(picture[row - 4 : row + 5, column - 4 : column + 5].reshape(-1, 3), axis=0)
 
 
-def test_settings_of_the_user_change_nothing(plane, drawn):
+def test_settings_of_the_user_change_nothing(plane):
+    svg = drawing.svg(plane)
     with mpl.rc_context({"text.usetex": True, "axes.grid": True}):
-        assert np.array_equal(plane.draw(), drawn)
+        assert drawing.svg(plane) == svg
 
 
-def test_places_and_states_are_inverse(plane):
-    for z in ([0.0, 12.0], [-0.1, 17.0], [0.21, 8.0]):
-        np.testing.assert_allclose(plane.state(plane.place(np.array(z))), z, atol=1e-12)
+def test_places_are_shares_of_the_plane(plane):
+    middle = 0.5 * (plane.low + plane.high)
+    np.testing.assert_allclose(
+        plane.place(np.array([plane.low, middle, plane.high])).T[0], [0, 0.5, 1]
+    )
     np.testing.assert_array_equal(plane.clip(np.array([9.0, -9.0])), [plane.high[0], plane.low[1]])
 
 
-def test_a_state_off_the_board_is_on_none_of_its_places(plane):
+def test_a_state_off_the_plane_is_on_none_of_its_places(plane):
     middle = 0.5 * (plane.low + plane.high)
     assert plane.in_view(middle) and plane.beyond(middle) is None
     below = np.array([middle[0], plane.low[1] - 0.1])
@@ -85,12 +103,7 @@ def test_a_state_off_the_board_is_on_none_of_its_places(plane):
     assert plane.beyond(plane.high + np.array([1e-3, 0.0])) == "► right of the chart"
 
 
-def test_the_walk_and_the_orbit_have_the_colours_of_the_report(drawn, plane):
-    # The walk is drawn in the scene: in the picture it is in the legend alone.
-    height = len(drawn)
-    walk = np.abs(drawn[..., :3] - channels(board.WALK)).max(axis=-1) < 3
-    rows = np.flatnonzero(np.any(walk & (drawn[..., 3] > 200), axis=1))
-    assert len(rows) and rows.min() / height > 1.0 - board._CORNER[1] / 2
+def test_the_orbit_has_the_colour_of_the_report(drawn, plane):
     z = plane.orbit[len(plane.orbit) // 2]
     red, green, blue = colour_at(drawn[..., :3], plane, z)
     assert red > green > blue
@@ -110,23 +123,21 @@ def test_a_proved_state_is_green_and_a_state_outside_is_not(shipped, plane, pict
         assert np.ptp(colour) < 12
 
 
-def test_fences_are_where_their_states_are(plane, picture):
-    height, width, _ = picture.shape
-    ink = np.array(channels(board._INK))
+def test_fences_are_where_their_states_are(plane, drawn):
+    ink = np.array(channels(drawing.INK.light))
     for fence in plane.fence_z2:
-        z = np.array([plane.fence_z1[30], fence[30]])
-        across, up = plane.place(z)
-        row, column = round((1.0 - up) * height), round(across * width)
-        assert np.abs(picture[row - 2 : row + 3, column] - ink).max(axis=-1).min() < 6
+        row, column = pixel(drawn, plane, np.array([plane.fence_z1[30], fence[30]]))
+        assert np.abs(drawn[row - 3 : row + 4, column, :3] - ink).max(axis=-1).min() < 6
 
 
-@pytest.mark.parametrize("ground", [LIGHT, DARK])
-def test_words_and_lines_stand_out_from_a_light_ground_and_from_a_dark_one(drawn, ground):
+def test_words_and_lines_stand_out_from_a_light_ground_and_from_a_dark_one(drawn):
     # Its corners are the page's own.
     assert drawn[0, 0, 3] == drawn[-1, -1, 3] == 0.0
-    for ink in (board._INK, board._GUARD, board._FLOW):
-        # Contrast of large text and of lines. Source: WCAG 2.2, 1.4.3 and 1.4.11.
-        assert contrast(channels(ink), [ground] * 3) >= 3.0
+    for ground, ink in ((LIGHT, drawing.INK.light), (DARK, drawing.INK.dark)):
+        # Contrast of text, of large text and of lines. Source: WCAG 2.2, 1.4.3 and 1.4.11.
+        assert contrast(channels(ink), [ground] * 3) >= 4.5
+        for line in (drawing.GUARD, drawing.FLOW, drawing.ORBIT, phase_chart.WALK):
+            assert contrast(channels(line), [ground] * 3) >= 3.0
 
 
 def test_the_orbit_lies_inside_and_closes(shipped, plane):
@@ -149,8 +160,8 @@ def known_orbit(plane, monkeypatch):
     class Path:
         z = plane.orbit[:, None]
 
-    monkeypatch.setattr(phase_board, "sampled_map", lambda *_: Known)
-    monkeypatch.setattr(phase_board, "cycle", lambda *_: Path)
+    monkeypatch.setattr(portrait_of_run, "sampled_map", lambda *_: Known)
+    monkeypatch.setattr(portrait_of_run, "cycle", lambda *_: Path)
 
 
 def test_without_a_certificate_margins_are_sampled_and_called_so(shipped, look, known_orbit):
@@ -184,7 +195,7 @@ def test_a_broken_region_is_red():
         boxes=BoxMap(corners, np.array([BoxAnswer.REFUTED]), np.array([-0.5])),
         title="broken",
     )
-    red, green, _ = colour_at(on_ground(bad.draw().astype(float), LIGHT), bad, [0.45, 1.55])
+    red, green, _ = colour_at(on_ground(pixels(bad), LIGHT), bad, [0.45, 1.55])
     assert red > green + 60
 
 

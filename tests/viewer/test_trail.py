@@ -1,4 +1,4 @@
-"""The trail on the board: where the state was, whatever is drawn how often."""
+"""The trail on the chart: where the state was, whatever is drawn how often."""
 
 import numpy as np
 

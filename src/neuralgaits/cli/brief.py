@@ -16,6 +16,7 @@ from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, ver
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.checked import ProofCheck
+from neuralgaits.records.final_boxes import boxes_of_proof
 from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.level_words import FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import ReportRecord
@@ -161,7 +162,10 @@ def brief_proof(result: CertificateRecord, *, hint: bool = True) -> None:
         else:
             subject = "the model with every joint exactly where the gait wants it"
         facts.append(("about", subject))
-    facts.append(("boxes", _hinted(f"{result.boxes} bounded, {result.wall_s:.0f} s in all", hint)))
+    boxes = f"{result.boxes} bounded in the search"
+    if (final := boxes_of_proof(result.proof)) is not None:
+        boxes += f", {final} in the proof file"
+    facts.append(("boxes", _hinted(f"{boxes}, {result.wall_s:.0f} s in all", hint)))
     facts += [("proof", result.proof)] if result.proof else []
     facts.append(("next", _after_proof(result)))
     show_facts(facts)
@@ -212,7 +216,10 @@ def brief_check(result: ProofCheck, *, hint: bool = True) -> None:
     facts = [
         ("about", f"{result.robot}, spec {result.spec}, weights {result.weights_sha256[:12]}..."),
         ("claims", f"{len(result.statements)} bounds{above}{unclaimed}"),
-        ("boxes", f"{result.boxes} bounded in {result.wall_s:.0f} s, {_arithmetic(result)}"),
+        (
+            "boxes",
+            f"{result.boxes} bounded in the check, {result.wall_s:.0f} s, {_arithmetic(result)}",
+        ),
         ("assumes", _assumed(len(result.assumptions), hint)),
         ("next", _after_check(result)),
     ]

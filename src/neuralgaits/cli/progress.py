@@ -109,7 +109,7 @@ class TrainingProgress(_OnTerminal):
                 self._task,
                 completed=share,
                 total=1.0,
-                count=f"{100.0 * share:.1f} % of {boxes} boxes",
+                count=f"{100.0 * share:.1f} %, {boxes} boxes bounded in the search",
                 eta="",
                 description="proved",
             )
@@ -176,7 +176,7 @@ class ProofProgress(_Share):
 
     def __call__(self, share: float, boxes: int) -> None:
         """Show the proved share of all conditions' regions."""
-        self._show(share, f"{boxes} boxes")
+        self._show(share, f"{boxes} boxes bounded in the search")
 
 
 class CheckProgress(_Share):
@@ -190,9 +190,12 @@ class CheckProgress(_Share):
     def __call__(self, done: int, leaves: int) -> None:
         """Show how many leaves of the proof's trees are bounded again."""
         if leaves > self._many and not self._warned:
-            self.say(f"{leaves} boxes take hours here; `make proofcheck` builds a quicker checker")
+            self.say(
+                f"{leaves} boxes of the proof file take hours here; `make proofcheck` builds a "
+                "quicker checker"
+            )
             self._warned = True
-        self._show(done / leaves if leaves else 1.0, f"{done}/{leaves} boxes")
+        self._show(done / leaves if leaves else 1.0, f"{done}/{leaves} boxes of the proof file")
 
 
 class WorkProgress(_OnTerminal):

@@ -30,7 +30,7 @@ def show_proof(result: CertificateRecord) -> None:
     The verdict on all of them is on the short screen, which follows.
     """
     conditions = sorted(result.conditions.items(), key=_urgency)
-    head = ("condition", "verdict", "proved", "margin", "boxes", "")
+    head = ("condition", "verdict", "proved", "margin", "bounded", "")
     show_table(head, [_row(name, entry) for name, entry in conditions[:ROWS]])
     others = [entry for _, entry in conditions[ROWS:]]
     if others:

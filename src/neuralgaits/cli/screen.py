@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
+from neuralgaits._printable import counted
 from neuralgaits.cli.monitor_screen import show_monitor
 from neuralgaits.cli.screen_tables import (
     ROWS,
@@ -23,12 +24,12 @@ from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingProof, TrainingSummary
 from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.shell_words import command
+from neuralgaits.runs.shell_words import PROGRAM, command
 
 
 def show_training(result: TrainingSummary) -> None:
     """Show which conditions fail and what to do next, or what the short screen leaves out."""
-    broken = result.broken
+    broken, mend = result.broken, []
     if broken:
         count = Text(f"{len(broken)} of {len(result.conditions)} conditions fail", "yellow")
         show_sentence(count, " somewhere on fresh samples")
@@ -42,7 +43,8 @@ def show_training(result: TrainingSummary) -> None:
         )
         if len(rows) > ROWS:
             show_sentence(f"and {len(rows) - ROWS} more, by {rows[ROWS][2]} at most")
-        show_facts(_to_mend(result, worst[0][0]))
+        mend = _to_mend(result, worst[0][0])
+        show_facts(mend)
     if result.certificate is not None:
         show_sentence(_proof_of_training(result.certificate))
     facts = [(name, getattr(result, name)) for name in ("robot", "spec", "seed")]
@@ -60,6 +62,10 @@ def show_training(result: TrainingSummary) -> None:
     if broken:
         facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
         facts.append(("run", result.run))
+        what = counted(len(result.conditions), "condition")
+        failed = f"{len(broken)} of {what} {'does' if len(broken) == 1 else 'do'} not hold"
+        facts.append(("result", f"the gait failed: {failed} on fresh samples"))
+        facts += [("next", line) for _, line in mend if line.startswith(f"{PROGRAM} ")][:1]
     show_facts(facts)
 
 

@@ -42,7 +42,8 @@ def show_sentence(*parts: Words, indent: int = 0, hang: int = 0) -> None:
 def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
     """Print a table; if words do not fit, print each row's cells below one another.
 
-    It prints nothing if there are no rows.
+    It prints nothing if there are no rows. Columns without content are left out: their room is for
+    the others.
     """
     console = Console(highlight=False)
     cells = [
@@ -50,6 +51,8 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
     ]
     if not cells:
         return
+    filled = [number for number in range(len(head)) if any(row[number].plain for row in cells)]
+    head, cells = [head[n] for n in filled], [[row[n] for n in filled] for row in cells]
     columns = [
         (Text(name), *column) for name, column in zip(head, zip(*cells, strict=True), strict=True)
     ]

@@ -1,4 +1,4 @@
-"""The camera of each visitor: robot and board in view, for any shape of the window."""
+"""The camera of each visitor: the whole scene in view, for any shape of the window."""
 
 import math
 from collections.abc import Sequence
@@ -9,6 +9,8 @@ import viser
 from neuralgaits.viewer import page_style
 
 FOV = math.radians(40.0)
+_PHONE_ASPECT = 0.7
+"""Width of a window that is taken for a phone's, in its height, if it is less."""
 
 Direction = tuple[float, float, float]
 """From the scene's middle to a camera, in its distance."""
@@ -34,7 +36,9 @@ class Framing:
         """Return the pose for a window in pixels; for the usual one if its size is unknown."""
         has_size = width > 0 and height > 0
         aspect = width / height if has_size else 1.2
-        share = page_style.SCENE_SHARE if has_size and width <= page_style.PHONE_PX else 1.0
+        # A browser tells its screen's own pixels, on a phone two or three for each of the page's.
+        is_phone = has_size and (width <= page_style.PHONE_PX or aspect < _PHONE_ASPECT)
+        share = page_style.SCENE_SHARE if is_phone else 1.0
         middle = 0.45 * self.top
         tall = max(self.top / share, self.wide / aspect)
         away = 0.5 * tall / math.tan(0.5 * FOV)

@@ -7,7 +7,7 @@ import numpy as np
 
 from neuralgaits._commands import ADAPTABLE
 from neuralgaits._types import Float
-from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluator
+from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.command_belief import SETTLED
 from neuralgaits.control.law_by_name import law_named
@@ -28,6 +28,7 @@ from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.plant_changes import changed_settings, off_proof_words
 from neuralgaits.viewer.plant_sliders import AHEAD, command_slider, plant_sliders
 from neuralgaits.viewer.slider import Slider
+from neuralgaits.viewer.state_margins import StateMargins
 from neuralgaits.viewer.step_speed import StepSpeed
 from neuralgaits.viewer.trail import Trail
 from neuralgaits.viewer.walker import Margins, WalkFrame
@@ -82,7 +83,7 @@ class LiveGait:
         )
         self.live.control.adapt(self.adapts_at_first)
         self._first = self.live.commands
-        self._look: PointEvaluator | None = None
+        self._margins = StateMargins(run.spec, self.chart)
         self._monitor: LiveMonitor | None = None
         self._beliefs_within: float | None = None
         self._proved_of = ""
@@ -92,7 +93,7 @@ class LiveGait:
 
     def look_with(self, evaluate: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
-        self._look = evaluate
+        self._margins.evaluate = evaluate
 
     def watch_with(
         self,
@@ -235,40 +236,15 @@ class LiveGait:
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
         """Return margins of all conditions at a state, or at the nearest state where they apply.
 
-        For a family, they belong to the gait on the board; there are none at other commands.
+        For a family, they belong to the gait on the chart; there are none at other commands.
         """
-        conditions = self.run.spec.conditions
-        with np.errstate(all="ignore"):
-            here = np.concatenate(self.chart.chart(np.asarray(z)[None]))
-            why = ""
-            if self._look is None:
-                why = "they are still being computed"
-            elif self._elsewhere:
-                why = "the robot gets another command than the gait on the chart"
-            elif not np.all(np.isfinite(here)):
-                # The fences' series have no meaning there.
-                why = "the robot's state is far outside of the region"
-            if why or self._look is None:
-                nothing = np.full(len(conditions), np.nan)
-                return Margins(nothing, np.zeros(len(conditions), dtype=bool), why)
-            nearest = [_nearest(here, self.run.spec.regions[c.region]) for c in conditions]
-            points = np.unique(np.array(nearest), axis=0)
-            states = self.chart.z(points[:, 0], points[:, 1])
-            # The state itself, not its image in the chart: it may lie outside of it.
-            states[(points == here).all(axis=1)] = z
-            quantities = self._look(states)
-            where = [int(np.flatnonzero((points == one).all(axis=1))[0]) for one in nearest]
-            values = [
-                float(np.min(quantities[f"margin/{condition.name}"][row]))
-                for condition, row in zip(conditions, where, strict=True)
-            ]
-        within = bool(np.all((here >= -ENDS) & (here <= 1.0 + ENDS)))
-        inside = [within and bool(np.all(one == here)) for one in nearest]
-        return Margins(np.array(values), np.array(inside, dtype=bool))
+        if self._elsewhere:
+            return self._margins.none("the robot gets another command than the gait on the chart")
+        return self._margins.at(z)
 
     @property
     def _elsewhere(self) -> bool:
-        """Return whether the robot's command differs from that of the gait on the board."""
+        """Return whether the robot's command differs from that of the gait on the chart."""
         return not np.allclose(self.live.commands, self._first, atol=1e-9)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
@@ -318,16 +294,3 @@ class LiveGait:
         if self._monitor is not None:
             self._monitor.restart()
         return True
-
-
-def _nearest(here: np.ndarray, boxes) -> tuple[float, float]:
-    """Return the nearest (phase, level) in a region's boxes; an axis that a box spans is kept."""
-
-    def within(box) -> tuple[float, float]:
-        place = []
-        for value, low, high in zip(here, box.low, box.high, strict=True):
-            spans = low <= 0.0 and high >= 1.0
-            place.append(float(value) if spans else float(min(max(value, low), high)))
-        return place[0], place[1]
-
-    return min((within(box) for box in boxes), key=lambda at: float(np.sum((at - here) ** 2)))

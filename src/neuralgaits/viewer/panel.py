@@ -14,6 +14,7 @@ from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.live_monitor import membership_lines
 from neuralgaits.viewer.page_style import QUIET, SAID, TIGHT, line, note
+from neuralgaits.viewer.phase_chart import PhaseChart
 from neuralgaits.viewer.plant_sliders import HEARD, add_plant_sliders
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.slider import Slider
@@ -29,7 +30,11 @@ _STATUS_EVERY = 10
 
 
 class Panel:
-    """Buttons, sliders and bars beside the scene."""
+    """Buttons, sliders, chart and bars beside the scene.
+
+    Attributes:
+        chart: phase portrait with the robot's state on it.
+    """
 
     def __init__(
         self,
@@ -74,6 +79,7 @@ class Panel:
         gui.add_markdown(title)
         self._verdict = gui.add_html(note("reading the certificate"))
         self._status = gui.add_html(line("getting ready: compiling the controller", QUIET))
+        self.chart = PhaseChart(gui)
         add_time_controls(gui, player, self._sliders, self.reset)
         # Each pair moves a slider up and down.
         keys: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))

@@ -55,9 +55,8 @@ def slow_line(pace: float, speed: float) -> str:
         pace: playback speed that is reached, × real time.
         speed: playback speed that was asked for, × real time.
     """
-    wanted = "real time" if speed == 1.0 else f"×{speed:g}"
-    reached = "below ×0.01" if pace < 0.01 else f"at ×{pace:.2f}"
-    return line(f"Plays {reached}: this machine is too slow for {wanted}", TIGHT)
+    reached = "less than ×0.01" if pace < 0.01 else f"×{pace:.2g}"
+    return line(f"Playback: asked ×{speed:g}, this machine manages {reached}", TIGHT)
 
 
 def ended(shown: WalkFacts, left: float | None) -> str:

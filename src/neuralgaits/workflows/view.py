@@ -19,8 +19,8 @@ from neuralgaits.viewer.live_gait import LiveGait
 from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.live_page import LivePage
 from neuralgaits.viewer.panel import Panel
-from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.player import Picture, Player
+from neuralgaits.viewer.portrait_of_run import portrait
 from neuralgaits.viewer.stage import Stage
 from neuralgaits.viewer.walker import Walker
 
@@ -97,21 +97,25 @@ class LiveView(LivePage):
             watched = None if sure.monitor is None else LiveMonitor(run, sure.monitor)
             self.gait.watch_with(watched, sure.beliefs_within, sure.proved_of)
             self._panel.tell_how_sure(sure.verdict, sure.words, sure.theorem)
-            self._stage.hang(plane, self._clicked)
+            self._panel.chart.fill(plane, self._clicked)
 
         self._if_open(complete)
 
     def _show(self, picture: Picture) -> None:
         self._stage.show(picture.shown)
+        self._panel.chart.show(picture.shown.z, picture.shown.trail)
         self._panel.show(picture)
 
-    def _clicked(self, client: viser.ClientHandle, z: np.ndarray) -> None:
+    def _clicked(self, client: viser.ClientHandle | None, z: np.ndarray) -> None:
         def go(walker: Walker) -> str | None:
             refused = walker.jump(z)
             if refused is None:
                 self._stage.restart()
                 return f"Put to z = ({z[0]:.3f} m, {z[1]:.2f} kg m²/s)."
-            client.add_notification("Not there", refused, auto_close_seconds=5.0, color="orange")
+            if client is not None:
+                client.add_notification(
+                    "Not there", refused, auto_close_seconds=5.0, color="orange"
+                )
             return refused
 
         self.player.ask(go)

@@ -20,7 +20,7 @@ from neuralgaits.certificate.chart import required_boxes
 from neuralgaits.certificate.proof_file.double_bounds import MOST_BOXES, DoubleBounds, fits
 from neuralgaits.certificate.proof_file.reader import Corners, Statement, halves
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.double_algebra import double_remainders
+from neuralgaits.programs.algebras.double_remainders import double_remainders
 from neuralgaits.programs.evaluation import NO_SYMBOLS, evaluate, fold
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import prune

@@ -20,7 +20,7 @@ from typing_extensions import override
 
 from neuralgaits.programs.algebras.double_functions import POINT_FUNCTIONS, UNIT
 from neuralgaits.programs.algebras.double_model import TINY, DoubleModel, TermLayout, raised
-from neuralgaits.programs.evaluation import Algebra, fold, results
+from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program, box_and_ball
 from neuralgaits.programs.remainder_symbols import Symbols, count_of
@@ -277,17 +277,6 @@ class DoubleAlgebra(Algebra[DoubleModel]):
 def _higher_terms(a: DoubleModel, b: DoubleModel) -> np.ndarray:
     """Bound the terms of a product that are of neither first nor second degree in e."""
     return a.linear * b.rest + a.rest * b.spread
-
-
-def double_remainders(
-    program: Program, low: np.ndarray, high: np.ndarray, symbols: Symbols
-) -> dict[int, np.ndarray]:
-    """Return the remainder of each result over one box, as `Remainders` asks."""
-    algebra = DoubleAlgebra.of(program, symbols)
-    box = {program.inputs[0].name: (low[None], high[None])}
-    with np.errstate(all="ignore"):
-        rows = results(program, box, algebra, fold(program, algebra), symbols)
-        return {number: model.radius[:, 0] for number, model in rows}
 
 
 _ARITHMETIC = {

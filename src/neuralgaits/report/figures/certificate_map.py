@@ -69,5 +69,5 @@ def _proved(axes: Axes, boxes: BoxMap) -> PolyCollection:
 
 
 def _patch(boxes: BoxMap, answer: BoxAnswer, word: str, colour: str, hatch: str) -> Patch:
-    label = f"{word} ({np.sum(boxes.answer == answer)} boxes)"
+    label = f"{word} ({np.sum(boxes.answer == answer)} boxes on the map)"
     return Patch(facecolor=colour, edgecolor=BLACK, hatch=hatch, label=label)

@@ -12,9 +12,9 @@ from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import BLACK, RED, new_figure, panel, styled
 
 CAPTION = (
-    "The tube, coloured by the margin of the condition that is nearest to its limit there (left; "
-    "the cross marks the smallest) and by which condition that is (right), as found on a grid of "
-    "states."
+    "The tube, coloured by the margin of the condition that is nearest to its limit there (left: "
+    "the paler, the smaller; the cross marks the smallest) and by which condition that is (right), "
+    "as found on a grid of states."
 )
 
 
@@ -28,11 +28,11 @@ def draw(data: GaitData) -> Figure:
     least, which = finite.min(axis=0), finite.argmin(axis=0)
     figure = new_figure(4.6)
     left, right = figure.subplots(1, 2, sharey=True)
-    # Tight states stand out from the page, roomy ones have nearly its colour.
-    low, colours = float(least.min()), {"cmap": "Blues_r"}
+    # As on the map of the certificate: pale is a small margin, dark a large one.
+    positive = colormaps["Blues"](np.linspace(0.08, 1.0, 128))
+    low, colours = float(least.min()), {"cmap": ListedColormap(positive)}
     if low < 0.0:
-        broken, positive = colormaps["Oranges_r"], colormaps["Blues_r"]
-        both = [broken(np.linspace(0.0, 0.6, 128)), positive(np.linspace(0.0, 1.0, 128))]
+        both = [colormaps["Oranges_r"](np.linspace(0.0, 0.6, 128)), positive]
         norm = TwoSlopeNorm(0.0, low, max(float(least.max()), 1e-9))
         colours = {"cmap": ListedColormap(np.vstack(both)), "norm": norm}
     name = "least margin, picture a [scale of the condition]"

@@ -11,6 +11,7 @@ from neuralgaits.records.certified import (
     Conclusion,
     TheoremConstant,
 )
+from neuralgaits.records.final_boxes import boxes_of_proof
 from neuralgaits.records.level_words import HIGHEST, HIGHEST_OF_MANY, WORDS
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
@@ -146,7 +147,14 @@ def _conditions(saved: RunContents, certificate: CertificateRecord) -> Html:
         rows.append(
             (words_of_condition, phrases.verdict(entry.verdict), margin, share, boxes, detail)
         )
-    head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
+    head = (
+        "condition",
+        "verdict",
+        "margin at least",
+        "of its region",
+        "boxes bounded in the search",
+        "",
+    )
     failed = sum(
         entry.verdict != "proved" and not entry.proved_in_part
         for entry in certificate.conditions.values()
@@ -171,6 +179,8 @@ def _files(saved: RunContents, certificate: CertificateRecord) -> list[Html]:
         words.append("--program")
     file = quoted(str(proof.resolve()))
     # It knows no packed files.
+    final = boxes_of_proof(proof)
+    in_file = "" if final is None else f"{html.number(final)} in the proof file, "
     check = f"gunzip -c {file} | {shlex.join(words)} /dev/stdin"
     if proof.name == Path(PROOF).name:
         check = f"{shlex.join(words)} {file}"
@@ -185,7 +195,8 @@ def _files(saved: RunContents, certificate: CertificateRecord) -> list[Html]:
         html.paragraph("In the folder with the source of this program, where its Makefile is:"),
         html.shell(["make proofcheck", check]),
         html.paragraph(
-            f"{html.number(certificate.boxes)} boxes, {html.number(certificate.wall_s)} s.",
+            f"{html.number(certificate.boxes)} boxes bounded in the search, {in_file}"
+            f"{html.number(certificate.wall_s)} s.",
             class_="quiet",
         ),
     ]

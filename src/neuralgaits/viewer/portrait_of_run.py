@@ -1,4 +1,4 @@
-"""The board of the live page: flow, fences and orbit of a gait, and where it is proved."""
+"""The phase portrait of a run: flow, fences and orbit of its gait, and where it is proved."""
 
 import numpy as np
 
@@ -40,7 +40,7 @@ def portrait(run: Run, evaluate: PointEvaluator, *, certified: bool) -> Portrait
         dz=dz,
         orbit=path[np.isfinite(path).all(axis=1)],
         boxes=boxes,
-        title=f"Zero dynamics, {basis}: click to put the robot there",
+        title=f"Zero dynamics, {basis}",
     )
 
 
