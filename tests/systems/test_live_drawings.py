@@ -7,20 +7,28 @@ import numpy as np
 import pytest
 
 from neuralgaits.systems.walker3d.live_drawings import SEEN, TubeSlices, draw_prints
+from neuralgaits.systems.walker3d.live_moment import Footprint, SpatialMoment
 from neuralgaits.systems.walker3d.live_panel import tube_line
-from neuralgaits.systems.walker3d.live_walk import Footprint, SpatialMoment
 from neuralgaits.systems.walker3d.spatial_gait import empty_gait
 
 AXES = np.diag([0.02, 0.3, 0.2])
 """Half axes at every phase but for a factor from 1 to 2."""
 
 
-@pytest.fixture(scope="module")
-def slices():
+def gait_with(axes):
+    """A gait whose tube grows to twice its width over a step, from these half axes."""
     gait = empty_gait()
-    axes = np.zeros_like(gait.tube.axes)
-    axes[0], axes[1] = 1.5 * AXES, 0.5 * AXES
-    return TubeSlices(eqx.tree_at(lambda one: one.tube.axes, gait, axes))
+    rows = np.zeros_like(gait.tube.axes)
+    rows[0], rows[1] = 1.5 * axes, 0.5 * axes
+    return eqx.tree_at(lambda one: one.tube.axes, gait, rows)
+
+
+GAIT = gait_with(AXES)
+
+
+@pytest.fixture
+def slices():
+    return TubeSlices(GAIT)
 
 
 def moment(phase, off, distance=0.5, trail=()):
@@ -40,6 +48,9 @@ def moment(phase, off, distance=0.5, trail=()):
         steps=1,
         speed=0.6,
         force=np.zeros(3),
+        gait=GAIT,
+        told=0.0,
+        requested=0.0,
         slope=0.0,
         ground=0.0,
         fall=None,
@@ -75,6 +86,18 @@ def test_the_line_says_inside_up_to_one_half_axis(distance, word):
     assert f"Inside the proved tube now: {word}, {distance:.2f} half axes" in line
     # Rounded down: 100 % is said of all ticks only.
     assert "99.9 % of ticks" in line
+
+
+def test_a_step_of_another_tube_has_its_own_bands(slices):
+    """On the scale of the first one: a step that was told another speed has its own tube."""
+    wide = moment(0.4, 0.9 * 1.4 * np.diag(AXES))
+    narrow = wide._replace(gait=gait_with(0.5 * AXES))
+    for number in range(3):
+        upper, lower, y = band_and_dot(slices.render(wide), number)
+        assert upper <= y <= lower
+        other_upper, other_lower, other_y = band_and_dot(slices.render(narrow), number)
+        assert other_y == y < other_upper
+        assert other_lower - other_upper == pytest.approx(0.5 * (lower - upper), rel=0.02)
 
 
 def test_what_is_far_off_stays_on_the_drawing_and_is_told(slices):

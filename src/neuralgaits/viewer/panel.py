@@ -85,9 +85,7 @@ class Panel:
         keys: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
         self._keys = iter(keys)
         self._add_commands(gui, commands or {}, adaptable, adapts)
-        if sizes:
-            ahead = "of the stones that the robot has not heard of yet"
-            self._add_told(gui, "Stones ahead", sizes, ahead, lambda walker: walker.resize)
+        self._add_sizes(gui, sizes or {})
         self._add_push(gui)
 
         def disturb(name: str, value: float) -> None:
@@ -180,6 +178,12 @@ class Panel:
         if adaptable:
             learned = [handles[name] for name in adaptable if name in SETTLED and name in handles]
             self._add_adaptation(gui, adaptable, learned, adapts)
+
+    def _add_sizes(self, gui: viser.GuiApi, sizes: Mapping[str, Slider]) -> None:
+        """Add sliders of the blocks ahead, if there are any."""
+        if sizes:
+            ahead = "of the stones that the robot has not heard of yet"
+            self._add_told(gui, "Stones ahead", sizes, ahead, lambda walker: walker.resize)
 
     def _add_told(
         self,

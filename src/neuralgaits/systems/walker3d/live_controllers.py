@@ -79,7 +79,7 @@ class _Memory(ctypes.Structure):
 
 
 class _ToldMemory(_Memory):
-    """The same of a gait that is told its speed."""
+    """Memory of `ng_walker3d` for a gait that is told its speed."""
 
     _fields_ = (("requested", ctypes.c_double), ("told", 2 * ctypes.c_double))
 

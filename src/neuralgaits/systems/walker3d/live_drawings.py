@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from neuralgaits.systems.walker3d.live_walk import SpatialMoment
+from neuralgaits.systems.walker3d.live_moment import SpatialMoment
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.viewer.page_style import BAD, GOOD, Ink
 

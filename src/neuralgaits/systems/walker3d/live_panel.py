@@ -9,8 +9,9 @@ import numpy as np
 import viser
 
 from neuralgaits.systems.walker3d.live_drawings import TubeSlices, draw_prints
+from neuralgaits.systems.walker3d.live_moment import SpatialMoment
 from neuralgaits.systems.walker3d.live_stage import VIEWS, SpatialStage
-from neuralgaits.systems.walker3d.live_walk import SpatialLive, SpatialMoment
+from neuralgaits.systems.walker3d.live_walk import SpatialLive
 from neuralgaits.viewer import page_style
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT, line, note

@@ -12,7 +12,7 @@ import viser
 from mjviser import ViserMujocoScene
 
 from neuralgaits.robots.mjcf.model_contents import at_zero
-from neuralgaits.systems.walker3d.live_walk import SpatialMoment
+from neuralgaits.systems.walker3d.live_moment import SpatialMoment
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.viewer.framing import Direction, Framing
 from neuralgaits.viewer.push_arrow import PushArrow

@@ -32,12 +32,7 @@ from neuralgaits.systems.walker3d.spatial_figures import (
     draw_step,
 )
 from neuralgaits.systems.walker3d.spatial_gait import AbstractSpatialGait, empty_gait
-from neuralgaits.systems.walker3d.spatial_levels import (
-    TABLE,
-    conclude,
-    table_with,
-    told_speeds,
-)
+from neuralgaits.systems.walker3d.spatial_levels import TABLE, conclude, table_with, told_speeds
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot, read_spatial
 from neuralgaits.systems.walker3d.spatial_orbit import OrbitAims
 from neuralgaits.systems.walker3d.spatial_records import (

@@ -7,7 +7,8 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.walker3d.live_controllers import LiveController, controller_of
-from neuralgaits.systems.walker3d.live_walk import Footprint, SpatialLive
+from neuralgaits.systems.walker3d.live_moment import Footprint
+from neuralgaits.systems.walker3d.live_walk import SpatialLive
 
 
 class WalkTrace(NamedTuple):
