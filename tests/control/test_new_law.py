@@ -1,6 +1,7 @@
 """A new control law is a file and an entry: it walks, and pages and refusals know its name."""
 
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -37,3 +38,15 @@ def test_a_law_of_one_file_and_one_entry_walks_and_is_named(soft, tmp_path):
 def test_compiled_laws_are_those_that_the_compiled_walk_knows(soft):
     for name, entry in CONTROL_LAWS.items():
         assert knows(law_named(name)) is entry.compiled
+
+
+def test_exported_laws_are_those_that_say_so_in_c(soft):
+    for name, entry in CONTROL_LAWS.items():
+        form = law_named(name).in_c()
+        assert entry.exported is (form is not None and form.exported), name
+
+
+def test_the_page_of_laws_has_a_row_for_each():
+    page = (Path(__file__).parents[2] / "docs" / "control.md").read_text(encoding="utf-8")
+    for name in CONTROL_LAWS:
+        assert f"| `{name}` |" in page or f"| [`{name}`]" in page, name

@@ -1,7 +1,7 @@
 import numpy as np
 
 from neuralgaits.simulation.setup.push import DURATION_S, STEPS_BEFORE, WINDOW_S, Push
-from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 
 DOWN, UP = np.array([True]), np.array([False])
 LEG = np.array([0])
@@ -9,7 +9,7 @@ LEG = np.array([0])
 
 def footholds(seed, episode_count=1, steps=40, height=0.01):
     """Levels of the stance foothold, step after step, of the last episode."""
-    terrain = Terrain(height, seed, episode_count)
+    terrain = UnevenFloor(height, seed, episode_count)
     ones, heard = np.ones(episode_count), []
     for step in range(steps):
         leg = np.full(episode_count, step % 2)
@@ -34,7 +34,7 @@ def test_levels_depend_on_seed_and_episode_only():
 
 
 def test_a_floor_waits_until_the_foot_is_above_it():
-    terrain = Terrain(0.01, 0, 1)
+    terrain = UnevenFloor(0.01, 0, 1)
     for _ in range(50):
         terrain.advance(DOWN, LEG, np.array([-0.1]), np.array([0.0]))
         assert not terrain.advance(UP, LEG, np.array([0.1]), np.array([-0.02]))

@@ -380,7 +380,7 @@ class Conclusions {
     }
   }
 
-  // Torques held through an impact, until the next tick: docs/level5.md, inequality 4. Returns a
+  // Torques held through an impact, until the next tick: docs/level5_clock.md, inequality 4. Returns a
   // bound on the mean of |S e| until then; the bound itself is convex in time.
   I kicked(const FullOrder& f, const Disturbed& d) const {
     not_negative("disturbed/kick", f.strip());

@@ -19,7 +19,7 @@ from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.streams import Stream, generator
-from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 from neuralgaits.simulation.ticks.falls import ENDLESS, Ending, ending
 
 Joints = Float[np.ndarray, " m"]
@@ -108,7 +108,7 @@ class Body:
         disturbance = plant.disturbance
         self._rng = generator(seed, 0, Stream.NOISE)
         self._push = Push(push, ENDLESS, seed, 1)
-        self._terrain = Terrain(disturbance.floor_height, seed, 1)
+        self._terrain = UnevenFloor(disturbance.floor_height, seed, 1)
         self._waiting = deque([np.zeros(self.joints)] * plant.delay_ticks)
         self.leg = leg
         self.steps = 0

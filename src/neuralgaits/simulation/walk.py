@@ -28,7 +28,7 @@ from neuralgaits.simulation.setup.drives import law_of_drives
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import PERIOD_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
-from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch, Watch
 
@@ -187,7 +187,7 @@ def _inputs(
     courses = inputs.courses
     height = None if courses is not None else _told_height(schedule)
     return EpisodeInputs(
-        Terrain(plant.disturbance.floor_height, seed, count, height, first),
+        UnevenFloor(plant.disturbance.floor_height, seed, count, height, first),
         Push(inputs.push, inputs.steps, seed, count, first),
         schedule,
         courses,

@@ -13,8 +13,8 @@ from neuralgaits.report.drawing.style import BLACK, RED, new_figure, panel, styl
 
 CAPTION = (
     "The tube, coloured by the margin of the condition that is nearest to its limit there (left: "
-    "the paler, the smaller; the cross marks the smallest) and by which condition that is (right), "
-    "as found on a grid of states."
+    "the nearer to the page's own colour, the smaller; the cross marks the smallest) and by which "
+    "condition that is (right), as found on a grid of states."
 )
 
 

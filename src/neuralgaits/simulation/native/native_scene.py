@@ -15,7 +15,7 @@ from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.struct_layout import StructLayout
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import DURATION_S, Push
-from neuralgaits.simulation.setup.terrain import ROOM_UNDER_FOOT
+from neuralgaits.simulation.setup.uneven_floor import ROOM_UNDER_FOOT
 from neuralgaits.simulation.ticks.falls import HIP_SHARE, STALL, TORSO_RAD
 from neuralgaits.simulation.ticks.gauge import SETTLING_S, START_UP_STEPS
 

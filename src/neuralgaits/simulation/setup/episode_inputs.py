@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.push import Push
-from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class EpisodeInputs:
         adapt: commands that are adapted, see `control.speed_adapter` and `control.command_belief`.
     """
 
-    terrain: Terrain
+    terrain: UnevenFloor
     push: Push
     schedule: CommandSchedule
     courses: Courses | None

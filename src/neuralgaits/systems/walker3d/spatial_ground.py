@@ -10,7 +10,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.simulation.setup.changed_model import ModelParts, change_model, shift_weight
 from neuralgaits.simulation.setup.foot_planes import FLOOR_BITS, add_plane
-from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 from neuralgaits.systems.walker3d.free_yaw import free_yaw, resist_twisting
 from neuralgaits.systems.walker3d.spatial_changes import SpatialChanges
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
@@ -99,7 +99,7 @@ def _parts(model: mujoco.MjModel, tree: SpatialTree) -> ModelParts:
     )
 
 
-def terrain_under(changes: SpatialChanges, count: int, seed: int, first: float) -> Terrain:
+def terrain_under(changes: SpatialChanges, count: int, seed: int, first: float) -> UnevenFloor:
     """Return the floors of some walks that begin on the right foot.
 
     Args:
@@ -112,6 +112,6 @@ def terrain_under(changes: SpatialChanges, count: int, seed: int, first: float) 
         gets to its level as others do, under a foot that is above it.
     """
     sloped = changes.slope_deg != 0.0
-    terrain = Terrain(changes.floor_height, seed, count, expected=0.0 if sloped else None)
+    terrain = UnevenFloor(changes.floor_height, seed, count, expected=0.0 if sloped else None)
     terrain.levels[:, 1] = -abs(slope_of(changes) * first)
     return terrain

@@ -12,7 +12,7 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Bool, Float
 from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.simulation.live_floor import Floor
-from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 from neuralgaits.systems.walker3d.free_yaw import along_heading
 from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
@@ -42,6 +42,12 @@ def reflected(found: Measured, left: Array) -> Measured:
         jnp.asarray(np.where(on_left, SIGNS * rates[:, SWAPPED], rates)),
         jnp.asarray(np.where(on_left, velocity * MIRROR, velocity)),
     )
+
+
+LOWEST_HIPS = 0.7
+"""Height of a hip below which a robot has fallen, in lengths of a leg: gaits have 0.9 or more."""
+LARGEST_LEAN = 0.5
+"""Roll or pitch from which on a torso has fallen [rad]: gaits lean by 0.1 at most."""
 
 
 class Standing(NamedTuple):
@@ -87,7 +93,7 @@ class SpatialPlants:
     tree: SpatialTree
     worlds: list[mujoco.MjData]
     left: Array
-    terrain: Terrain
+    terrain: UnevenFloor
     slope: float
     first: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -272,13 +278,13 @@ class SpatialPlants:
             mujoco.mj_step(model, world)
 
     def fallen(self, one: int) -> bool:
-        """Return whether a robot has fallen: low hips, or a torso that leans aside by half."""
+        """Return whether a robot has fallen: low hips, a leaning torso, or no finite state."""
         walker, world = self.robot.walker, self.worlds[one]
         foot = int(self.left[one])
         place = self.tree.joints[foot][0]
         floor = self.terrain.levels[one, foot] + self.slope * world.xanchor[place, 0]
         heights = [world.xanchor[leg[0], 2] - floor for leg in self.tree.joints]
-        low = 0.7 * (walker.thigh.length + walker.shin.length)
+        low = LOWEST_HIPS * (walker.thigh.length + walker.shin.length)
         lean = world.qpos[list(self.tree.root[3:])]
-        upright = np.all(np.isfinite(world.qpos)) and np.abs(lean).max() < 0.5
+        upright = np.all(np.isfinite(world.qpos)) and np.abs(lean).max() < LARGEST_LEAN
         return not upright or min(heights) < low

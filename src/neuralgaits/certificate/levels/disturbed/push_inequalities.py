@@ -1,7 +1,7 @@
 """Inequalities between the constants of the disturbed theorem (level 5), in balls.
 
-The argument is in docs/level5_proof.md; numbers of inequalities are those of docs/level5.md. Needs
-no JAX.
+The argument is in docs/level5_proof.md; inequalities 1 to 3 are those of docs/level5.md, 4 that of
+docs/level5_clock.md. Needs no JAX.
 """
 
 from flint import arb, fmpq
@@ -62,7 +62,7 @@ def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) 
     most = abs(arb(disturbed.jerk)) + abs(arb(disturbed.growth_slope)) * arb(full.radius)
     grown = (rate * hold).exp()
     kicked = sqrt_v_after_kick(full, disturbed)
-    # Inequality 4 of docs/level5.md.
+    # Inequality 4 of docs/level5_clock.md.
     rows = [
         Inequality("free clock: 0 < hold", arb(0), hold),
         Inequality(
@@ -157,9 +157,9 @@ def _grown(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[arb
 
 
 def growth(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[arb, arb]:
-    """Return (first, second): at a tick |S e| grows by at most first + second R.
+    """Return (first, second) [rad/s^3, rad/s^3 per rad]: the growth of |S e| at a tick.
 
-    R is the bound on sqrt(V) [rad/s^3, rad/s^3 per rad], at any later moment of the hold.
+    It is at most first + second R, R being the bound on sqrt(V) at any later moment of the hold.
     """
     still = abs(arb(disturbed.jerk)) + error_rate(full, disturbed) * arb(disturbed.error)
     # The bound on V was larger when the hold began, or at phase 0 if the phase is below.

@@ -9,7 +9,7 @@ from neuralgaits.simulation.setup.streams import Stream, generator
 ROOM_UNDER_FOOT = 0.002
 
 
-class Terrain:
+class UnevenFloor:
     """Floor levels under the two feet of every episode.
 
     At touchdown the level of the next foothold is drawn: `height` above the present one, below it
