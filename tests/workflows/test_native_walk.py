@@ -4,6 +4,7 @@ import ctypes
 import shutil
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import equinox as eqx
@@ -65,6 +66,12 @@ WALKS = [
     ("scheduled-pd", "as modelled"),
     (ScheduledPd(bandwidth=30.0, predicts_rates=True), "coarse, late and weak"),
 ]
+
+
+def test_each_disturbance_is_in_a_plant_that_is_compared():
+    """A compiled walk ignores in silence what it was not given."""
+    named = {one.split("=")[0] for plant in PLANTS.values() for one in plant.split(",") if one}
+    assert named == {one.name for one in fields(PlantChanges)}
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """Refuse settings of a walk that exclude each other, each pair with one line.
 
-`simulate` calls this before anything is compiled.
+`simulate` calls this before anything is compiled. Where one file reads both settings of a pair, it
+refuses them: `setup/command_schedule.py`, `setup/drives.py`, `setup/drawn_robots.py`.
 """
 
 import re

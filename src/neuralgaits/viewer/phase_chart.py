@@ -32,7 +32,7 @@ _FRAMES = 2
 """Pictures of the page for each one of the chart, which changes twenty times a second."""
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 Clicked = Callable[[viser.ClientHandle | None, Float[np.ndarray, "2"]], None]
-"""Receives the visitor who clicked, and the state."""
+"""Receives the visitor who clicked, and the state; `LiveView._clicked` of a walker's page."""
 
 
 class PhaseChart:

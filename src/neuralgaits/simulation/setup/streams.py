@@ -10,7 +10,10 @@ import numpy as np
 
 
 class Stream(IntEnum):
-    """Things that are drawn at random in an episode, each with its number."""
+    """Things that are drawn at random in an episode, each with its number.
+
+    Numbers of things that are no longer drawn, 4 and 5, are not used again.
+    """
 
     START = 0
     FLOOR = 1
