@@ -48,7 +48,7 @@ settings.load_profile("neuralgaits")
 Maker = Callable[[Path], object]
 
 
-_MAKERS = "certified_5", "proofcheck"
+_MAKERS = "certified_5", "proofcheck", "speed_run"
 """Fixtures that take longest to make, which one worker makes and others wait for."""
 _SHARED = {*_MAKERS, "trained", "certified"}
 _QUICK_FOLDERS = {"barriers", "control", "gait", "logs", "programs", "records", "robots", "runs"}
@@ -58,7 +58,7 @@ _QUICK_FOLDERS = {"barriers", "control", "gait", "logs", "programs", "records", 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Sort files, which the workers are given in this order, so that no worker waits for another.
 
-    First comes a file for each of `_MAKERS`, so that two workers make them at the same time; then
+    First comes a file for each of `_MAKERS`, so that workers make them at the same time; then
     files with slow tests, those that share nothing before the others; last come short files.
     """
     # No set: each worker must come to the same order.
