@@ -52,7 +52,10 @@ def screen_of_proof(system: ProvedSystem, certificate: CertificateRecord) -> Scr
             facts.append(("broken", f"{name}: margin {point.margin:.3g} at {where}"))
     facts += [
         ("about", system.about_proofs),
-        ("boxes", f"{certificate.boxes} in {certificate.wall_s:.0f} s; -v prints more"),
+        (
+            "boxes",
+            f"{certificate.boxes} bounded in the search, {certificate.wall_s:.0f} s; -v prints more",
+        ),
         ("proof", certificate.proof),
         ("next", command("simulate", named(certificate.run))),
     ]

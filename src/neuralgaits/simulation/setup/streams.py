@@ -12,7 +12,7 @@ import numpy as np
 class Stream(IntEnum):
     """Things that are drawn at random in an episode, each with its number.
 
-    Numbers of things that are no longer drawn, 4 and 5, are not used again.
+    Numbers stay as they are, so that a seed goes on drawing the same walks.
     """
 
     START = 0
