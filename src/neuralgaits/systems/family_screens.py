@@ -50,12 +50,10 @@ def screen_of_proof(system: ProvedSystem, certificate: CertificateRecord) -> Scr
         if (point := one.counterexample) is not None:
             where = system.place_in_words(point.z)
             facts.append(("broken", f"{name}: margin {point.margin:.3g} at {where}"))
+    bounded = f"{certificate.boxes} bounded in the search"
     facts += [
         ("about", system.about_proofs),
-        (
-            "boxes",
-            f"{certificate.boxes} bounded in the search, {certificate.wall_s:.0f} s; -v prints more",
-        ),
+        ("boxes", f"{bounded}, {certificate.wall_s:.0f} s; -v prints more"),
         ("proof", certificate.proof),
         ("next", command("simulate", named(certificate.run))),
     ]
