@@ -1,4 +1,4 @@
-"""All errors that a caller can meet: one root, few leaves.
+"""All errors that a caller can meet: one root, few leaves, and Ctrl-C.
 
 A message is one line and says what was expected, what was found, and what to do. On the command
 line an error exits with 2; NonFiniteError, MismatchError and ConvergenceError exit with 1.
@@ -24,7 +24,7 @@ class InputError(NeuralGaitsError):
 
 
 class RobotError(InputError):
-    """A robot file is malformed, or describes a robot the planar theory cannot treat."""
+    """A robot file is malformed, or describes a robot that no family of systems can treat."""
 
 
 class ManyProblems(RobotError):

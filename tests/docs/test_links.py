@@ -6,6 +6,7 @@ from dataclasses import fields
 import pytest
 
 import neuralgaits
+from neuralgaits import errors
 from neuralgaits.cli.main import main
 from neuralgaits.report.run_figures import MAKERS
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -24,9 +25,21 @@ def test_links_of_a_page(page):
 
 
 def test_the_interface_page_has_every_public_name():
-    page = pages.read(pages.ROOT / "docs" / "api.md")
-    described = set(re.findall(r"^\.\. auto\w+:: (?:neuralgaits\.)?(\w+)", page, re.MULTILINE))
+    described = set[str]()
+    for name in ("api.md", "api_parts.md"):
+        page = pages.read(pages.ROOT / "docs" / name)
+        described |= set(re.findall(r"^\.\. auto\w+:: (?:neuralgaits\.)?(\w+)", page, re.MULTILINE))
     assert set(neuralgaits.__all__) - {"__version__"} <= described
+
+
+def test_the_interface_page_has_every_error():
+    page = pages.read(pages.ROOT / "docs" / "api.md")
+    listed = re.search(r"automodule:: neuralgaits.errors\n   :members: (.*)", page)
+    assert listed
+    own = [one for one in vars(errors).values() if isinstance(one, type)]
+    assert sorted(listed[1].split(", ")) == sorted(
+        one.__name__ for one in own if one.__module__ == errors.__name__
+    )
 
 
 def test_the_report_page_has_every_figure():

@@ -56,6 +56,16 @@ def test_the_summary_has_the_agreed_fields(walked):
     assert set(summary["poincare"]) == {"multiplier", "period_s", "step_length_m"}
 
 
+def test_ticks_of_a_logged_walk_are_at_hand(run, walked):
+    simulation, file = walked
+    assert len(simulation.logs) == 2
+    log, written = simulation.logs[0], logs.read(file, run.robot).log
+    assert log.q.shape == (len(log.t), run.robot.n)
+    np.testing.assert_array_equal(log.stance, written.stance)
+    np.testing.assert_allclose(log.q, written.q, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(log.tau, written.tau, rtol=1e-9, atol=1e-9)
+
+
 def test_the_periodic_orbit_is_the_one_that_is_walked(walked):
     summary = walked[0].summary
     assert 0.0 < summary["poincare"]["multiplier"] < 1.0

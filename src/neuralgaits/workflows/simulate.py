@@ -60,7 +60,7 @@ class Simulation:
     """A simulation and its figures.
 
     Attributes:
-        walk: complete record of the simulation.
+        walk: settings and arrays of the walks.
         summary: what `simulate --json` prints.
         replaces_undisturbed: whether these disturbed walks took the place of undisturbed ones in
             the run folder, which has room for one simulation.
@@ -69,6 +69,18 @@ class Simulation:
     walk: Walk
     summary: SimulationSummary
     replaces_undisturbed: bool = False
+
+    @property
+    def logs(self) -> tuple[logs.Log, ...]:
+        """Every tick of each walk: times, joint angles, rates, torques and z.
+
+        Empty unless `simulate` was called with `log` or `monitor`: ticks are not kept otherwise.
+        """
+        names = self.walk.robot.joint_names
+        return tuple(
+            log_of(names, record, f"episode {number}")
+            for number, record in enumerate(self.walk.episodes.records)
+        )
 
     @property
     def plant_note(self) -> str | None:
@@ -140,11 +152,12 @@ def simulate(settings: SimulateSettings) -> Simulation:
     replaced = replaces_undisturbed(run, result)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(WALK_SUMMARY, result)
-    for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):
-        logs.write(file, log_of(run.robot.joint_names, rows, f"episode {number}"))
+    simulation = Simulation(walk, result, replaced)
+    for file, log in zip(plan.logs, simulation.logs if plan.logs else (), strict=True):
+        logs.write(file, log)
     for film in plan.films:
         films.write(film, walk.plant, walk.episodes.states, walk.episodes.floors)
-    return Simulation(walk, result, replaced)
+    return simulation
 
 
 def _planned(settings: SimulateSettings) -> _Plan:
