@@ -28,7 +28,7 @@ from neuralgaits.systems.walker3d.spatial_pose import joints_of_pose
 from neuralgaits.systems.walker3d.spatial_start import first_guess, section_scale
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import WalkPlan, starts_of, walk
-from neuralgaits.systems.walker3d.tube_fit import gait_of
+from neuralgaits.systems.walker3d.tube_fit import Followed, gait_of
 from neuralgaits.systems.walker3d.walker3d_verbs import simulate, train
 from support.spatial_base import SpatialBase
 
@@ -173,8 +173,9 @@ def test_gait_that_is_not_stable_has_no_tube(run):
     gait = run.controller
     numbers = first_guess(run.robot, 0.7, 0.36, 0.01, 0.33).numbers
     orbit = SpatialOrbit(gait.policy, gait.start, 0.9 * np.eye(3), 0.0, numbers)
+    still = Followed(*(np.zeros((2, *shape)) for shape in ((3,), (3,), (3, 3), (3, 3))))
     with pytest.raises(NonFiniteError, match=r"multipliers of a gait below 0\.82, found 0\.9"):
-        gait_of(run.robot, orbit, np.ones(3), 1.0)
+        gait_of(orbit, still, np.ones(3), 1.0)
 
 
 def test_other_laws_are_refused(run, spatial_run):

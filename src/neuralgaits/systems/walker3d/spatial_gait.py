@@ -34,9 +34,11 @@ class AbstractSpatialGait(eqx.Module):
 
     Attributes:
         command: what each touchdown brings; None for a gait that takes no commands.
+        tube: numbers of the states that steps stay in.
     """
 
     command: eqx.AbstractVar[Command | None]
+    tube: eqx.AbstractVar[eqx.Module]
 
     @property
     @abstractmethod

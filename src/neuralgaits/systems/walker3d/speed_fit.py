@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -13,6 +14,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.gait.commands import Command
 from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.walker3d.orbit_search import find_orbit
+from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.systems.walker3d.spatial_orbit import OrbitAims, SpatialOrbit
 from neuralgaits.systems.walker3d.spatial_policy import INPUT_SCALE, StepNumbers
 from neuralgaits.systems.walker3d.spatial_start import section_scale
@@ -26,7 +28,14 @@ from neuralgaits.systems.walker3d.speed_gait import (
     pair_terms,
     speed_terms,
 )
-from neuralgaits.systems.walker3d.tube_fit import DISTURBANCE, first_axes, tubes_along, widest
+from neuralgaits.systems.walker3d.tube_fit import (
+    DISTURBANCE,
+    Followed,
+    first_axes,
+    followed,
+    tube_along,
+    widest,
+)
 
 DISTURBANCES = np.hstack([DISTURBANCE, [[0.0], [0.7], [0.0]]])
 """See `tube_fit.DISTURBANCE`; a change of speed moves the momentum forward, too."""
@@ -57,7 +66,8 @@ def widest_speed_gait(
         orbits.append(find_orbit(robot, OrbitAims.of(robot, speed), iterations, progress, near))
     scale = section_scale(robot, orbits[0].policy.pendulum)
     bare = _steered(robot, orbits, _through(orbits, command), scale)
-    return widest(robot, lambda size: _with_tubes(robot, orbits, bare, scale, size), table)
+    steps = _steps_of_pairs(robot, bare, scale)
+    return widest(robot, lambda size: _with_tubes(orbits, bare, steps, scale, size), table)
 
 
 def _shares(count: int) -> Float[np.ndarray, " count"]:
@@ -126,32 +136,57 @@ def _steered(
     return eqx.tree_at(lambda one: one.steering, bare, _polynomials(np.stack(found)))
 
 
+class _StepsOfPairs(NamedTuple):
+    """Steps whose tubes the others are fitted to.
+
+    Attributes:
+        pairs: speeds told before and now, as shares of the range.
+        terms: their `pair_terms`. [k, terms]
+        steps: the steps, followed.
+    """
+
+    pairs: list[tuple[float, float]]
+    terms: Float[np.ndarray, "k terms"]
+    steps: list[Followed]
+
+
+def _steps_of_pairs(
+    robot: SpatialWalker, bare: SpeedGait, scale: Float[np.ndarray, "3"]
+) -> _StepsOfPairs:
+    """Follow steps of a few pairs of speeds; tubes of all widths are about the same motion."""
+    # Mean of both speeds and their difference.
+    middles, changes = np.meshgrid(_shares(5), (-1.0, 0.0, 1.0), indexing="ij")
+    laid = np.stack([middles.ravel(), changes.ravel()], axis=1)
+    terms = np.stack([np.asarray(pair_terms(*map(jnp.asarray, pair))) for pair in laid])
+    reach = 0.5 * bare.command.change_limit / bare.command.half
+    pairs = [(middle - reach * change, middle + reach * change) for middle, change in laid]
+    steps = [_step_of(bare, pair) for pair in pairs]
+    policies = jax.tree.map(lambda *parts: np.stack(parts), *(one.policy for one in steps))
+    starts = np.concatenate([one.tube.sections(np.zeros(1))[0] for one in steps])
+    return _StepsOfPairs(pairs, terms, followed(robot, policies, starts, scale))
+
+
+def _step_of(gait: SpeedGait, pair: tuple[float, float]) -> SpatialGait:
+    return gait.of_shares(*map(jnp.asarray, pair))[0]
+
+
 def _with_tubes(
-    robot: SpatialWalker,
     orbits: list[SpatialOrbit],
     bare: SpeedGait,
+    known: _StepsOfPairs,
     scale: Float[np.ndarray, "3"],
     size: float,
 ) -> SpeedGait:
     """Return the gait with tubes of a half width in L_y, in deviations of `section_scale`."""
     axes = np.stack([first_axes(one.section, scale, size, DISTURBANCES) for one in orbits])
     bare = eqx.tree_at(lambda one: one.tube.start_axes, bare, _polynomials(axes))
-    # Steps whose tubes the others are fitted to: mean of both speeds and their difference.
-    middles, changes = np.meshgrid(_shares(5), (-1.0, 0.0, 1.0), indexing="ij")
-    pairs = np.stack([middles.ravel(), changes.ravel()], axis=1)
-    terms = np.stack([np.asarray(pair_terms(*map(jnp.asarray, pair))) for pair in pairs])
-    reach = 0.5 * bare.command.change_limit / bare.command.half
-    ends = [(middle - reach * change, middle + reach * change) for middle, change in pairs]
-    steps = [bare.of_shares(*map(jnp.asarray, pair))[0] for pair in ends]
-    policies = jax.tree.map(lambda *parts: np.stack(parts), *(one.policy for one in steps))
-    sections = [one.tube.sections(np.zeros(1)) for one in steps]
-    starts, first = (np.concatenate(parts) for parts in zip(*sections, strict=True))
-    tubes = tubes_along(robot, policies, starts, first, scale)
+    first = [_step_of(bare, pair).tube.sections(np.zeros(1))[1][0] for pair in known.pairs]
+    tubes = [tube_along(*parts) for parts in zip(known.steps, first, strict=True)]
 
     def fitted(parts: list[Array]) -> np.ndarray:
         rows = np.stack(parts).reshape(len(parts), -1)
-        found = np.linalg.lstsq(terms, rows, rcond=None)[0]
-        return found.reshape(terms.shape[1], *parts[0].shape)
+        found = np.linalg.lstsq(known.terms, rows, rcond=None)[0]
+        return found.reshape(known.terms.shape[1], *parts[0].shape)
 
     tube = SpeedTube(
         bare.tube.start,

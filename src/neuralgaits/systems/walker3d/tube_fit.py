@@ -1,6 +1,6 @@
 """The tube about a periodic orbit: what the linearised flow and touchdown shrink."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple, TypeVar
 
 import equinox as eqx
@@ -13,6 +13,7 @@ from scipy.linalg import solve_discrete_lyapunov
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import NonFiniteError
+from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.walker3d.spatial_conditions import spatial_margins
@@ -57,7 +58,9 @@ def widest_gait(robot: SpatialWalker, orbit: SpatialOrbit) -> SpatialGait:
     The narrowest one is returned if there is none. Raises: NonFiniteError as `gait_of`.
     """
     scale = section_scale(robot, orbit.policy.pendulum)
-    return widest(robot, lambda size: gait_of(robot, orbit, scale, size), TABLE)
+    policies = jax.tree.map(lambda one: np.asarray(one)[None], orbit.policy)
+    (step,) = followed(robot, policies, np.asarray(orbit.start)[None], scale)
+    return widest(robot, lambda size: gait_of(orbit, step, scale, size), TABLE)
 
 
 def widest(robot: SpatialWalker, sized: Callable[[float], Gait], table: ConditionTable) -> Gait:
@@ -72,37 +75,57 @@ def widest(robot: SpatialWalker, sized: Callable[[float], Gait], table: Conditio
     Returns: the narrowest one that is tried if there is none.
     """
     sizes = (0.62, 0.54, 0.47, 0.41, 0.35, 0.28, 0.2, 0.12)
+    program = None
     for size in sizes[:-1]:
         gait = sized(size)
-        program = trace(
-            lambda u, own=gait: spatial_margins(robot, own, u),
-            {"u": (table.chart.size,)},
-            parameters=gait,
-        )
+        if program is None:
+            program = _margins_in_any_tube(robot, gait, table)
         # Two axes more take more draws to find a corner.
         count = 2**10 if gait.command is None else 2**14
-        margins = searched_margins(program, count, seed=0, table=table)
+        margins = searched_margins(program, count, seed=0, table=table, given=_numbers_of(gait))
         if min(margins.values()) > 0.004:
             return gait
     return sized(sizes[-1])
 
 
+def _margins_in_any_tube(
+    robot: SpatialWalker, gait: AbstractSpatialGait, table: ConditionTable
+) -> Program:
+    """Trace the margins once for tubes of all widths, whose numbers are inputs."""
+    numbers = _numbers_of(gait)
+
+    def margins(u: Array, **tube: Array) -> Mapping[str, Array]:
+        leaves = [tube[name] for name in numbers]
+        return spatial_margins(robot, eqx.tree_at(_leaves_of_tube, gait, leaves), u)
+
+    shapes = {name: array.shape for name, array in numbers.items()}
+    return trace(margins, {"u": (table.chart.size,), **shapes})
+
+
+def _numbers_of(gait: AbstractSpatialGait) -> dict[str, np.ndarray]:
+    """Return the numbers of a gait's tube by the names of inputs."""
+    leaves = map(np.asarray, _leaves_of_tube(gait))
+    return {f"tube_{number}": leaf for number, leaf in enumerate(leaves)}
+
+
+def _leaves_of_tube(gait: AbstractSpatialGait) -> list[Array]:
+    return jax.tree.leaves(gait.tube)
+
+
 def gait_of(
-    robot: SpatialWalker, orbit: SpatialOrbit, scale: Float[np.ndarray, "3"], size: float
+    orbit: SpatialOrbit, step: Followed, scale: Float[np.ndarray, "3"], size: float
 ) -> SpatialGait:
     """Return the gait of an orbit with a tube about it.
 
     Args:
-        robot: the model.
         orbit: the periodic orbit.
+        step: its step, followed.
         scale: see `section_scale`.
         size: half width of the tube in L_y, in these.
 
     Raises: NonFiniteError if the orbit is not stable enough.
     """
-    first = first_axes(orbit.section, scale, size)
-    policies = jax.tree.map(lambda one: np.asarray(one)[None], orbit.policy)
-    (tube,) = tubes_along(robot, policies, np.asarray(orbit.start)[None], first[None], scale)
+    tube = tube_along(step, first_axes(orbit.section, scale, size))
     # NumPy's own numbers, as a run's folder gives them back.
     return jax.tree.map(np.asarray, SpatialGait(policy=orbit.policy, tube=tube))
 
@@ -143,31 +166,15 @@ def first_axes(
     return size / np.linalg.norm(first[1]) * scale[:, None] * first
 
 
-def tubes_along(
-    robot: SpatialWalker,
-    policies: SpatialPolicy,
-    starts: Float[np.ndarray, "k 3"],
-    first: Float[np.ndarray, "k 3 3"],
-    scale: Float[np.ndarray, "3"],
-) -> list[SpatialTube]:
-    """Return the tubes of steps about the motion from their starts.
+def tube_along(step: Followed, first: Float[np.ndarray, "3 3"]) -> SpatialTube:
+    """Return the tube of a step about its motion from its start.
 
     Half axes grow as R(t) = Phi(t) R(0) e^(SHRINKING t) with the linearised flow Phi.
 
     Args:
-        robot: the model.
-        policies: one policy a step: each array has a first axis.
-        starts: (y, L_y, n) where the steps start.
-        first: R(0) of each.
-        scale: see `section_scale`.
+        step: the step, followed.
+        first: R(0).
     """
-    return [
-        _tube_along(*parts)
-        for parts in zip(followed(robot, policies, starts, scale), first, strict=True)
-    ]
-
-
-def _tube_along(step: Followed, first: Float[np.ndarray, "3 3"]) -> SpatialTube:
     shares = np.linspace(0.0, 1.0, len(step.centre))
     growth = np.exp(SHRINKING * shares)[:, None, None]
     axes = growth * (step.deviations @ first)
@@ -184,7 +191,14 @@ def followed(
     starts: Float[np.ndarray, "k 3"],
     scale: Float[np.ndarray, "3"],
 ) -> list[Followed]:
-    """Follow steps from their starts, and their neighbours, see `tubes_along`."""
+    """Follow steps from their starts, and their neighbours; no tube's width is in that.
+
+    Args:
+        robot: the model.
+        policies: one policy a step: each array has a first axis.
+        starts: (y, L_y, n) where the steps start.
+        scale: see `section_scale`.
+    """
     deviation = 1e-3  # Deviations from a step that are followed, in those of `section_scale`.
     near = np.vstack([np.zeros(3), deviation * np.eye(3), -deviation * np.eye(3)]) * scale
     pendulum = jax.tree.map(lambda one: one[0], policies.pendulum)

@@ -4,6 +4,7 @@ Samples, no proof. The Program that is proved is evaluated, so that no function 
 """
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 
@@ -54,7 +55,11 @@ def sampled_margins(
 
 
 def searched_margins(
-    program: Program, count: int, seed: int, table: ConditionTable
+    program: Program,
+    count: int,
+    seed: int,
+    table: ConditionTable,
+    given: Mapping[str, np.ndarray] = MappingProxyType({}),
 ) -> dict[str, float]:
     """Return the smallest value of each condition that a search from random points finds.
 
@@ -66,6 +71,7 @@ def searched_margins(
         count: points of each box that are drawn.
         seed: seed of the draw.
         table: conditions and their regions.
+        given: values of the Program's other inputs, the same at all points.
 
     Returns: NaN for a condition without a value somewhere.
     """
@@ -78,25 +84,30 @@ def searched_margins(
         for ends in table.regions[region]:
             low, high = map(np.array, ends)
             points = _points(draw, low, high, count)
-            values = _values(own, points)[name]
+            values = _values(own, points, given)[name]
             least[name] = float(np.minimum(least[name], values.min()))
             for width in (0.1, 0.03, 0.01):
                 lowest = points[np.argsort(values)[:kept]]
                 steps = width * (high - low) * draw.standard_normal((neighbours, *lowest.shape))
                 points = np.clip(lowest + steps, low, high).reshape(-1, len(low))
-                values = _values(own, points)[name]
+                values = _values(own, points, given)[name]
                 # A NaN stays one.
                 least[name] = float(np.minimum(least[name], values.min()))
     return least
 
 
-def _values(program: Program, points: Float[np.ndarray, "N n"]) -> dict[str, np.ndarray]:
+def _values(
+    program: Program,
+    points: Float[np.ndarray, "N n"],
+    given: Mapping[str, np.ndarray] = MappingProxyType({}),
+) -> dict[str, np.ndarray]:
     """Return the smallest element of each output at some points, by name. [N]."""
     parts = []
     together = 1024
     for first in range(0, len(points), together):
+        inputs = {"u": points[first : first + together], **given}
         with np.errstate(all="ignore"):
-            parts.append(evaluate(program, {"u": points[first : first + together]}, POINT))
+            parts.append(evaluate(program, inputs, POINT))
     rows = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return {name: row.reshape(len(points), -1).min(axis=1) for name, row in rows.items()}
 
