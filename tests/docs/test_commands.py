@@ -52,7 +52,7 @@ def test_no_block_and_no_line_is_passed_over(page):
     """Fences that look otherwise, and commands of other programs, would not be looked at."""
     fences = re.findall(r"^\s*(?:```|~~~)", pages.read(page), re.MULTILINE)
     assert len(fences) == 2 * len(pages.fences(page))
-    known = {"neuralgaits", "make", "pip", "proofcheck", "#", "W=$(python"}
+    known = {"neuralgaits", "make", "pip", "proofcheck", "g++", "#", "W=$(python"}
     lines = [line for block in pages.blocks(page, "", "sh") for line in block.text.splitlines()]
     assert {Path(line.split()[0]).name for line in lines if line} <= known
 
@@ -66,6 +66,16 @@ def test_make_knows_its_targets():
         targets = [w for w in words if "=" not in w and w != "-C" and Path(w) != folder]
         for target in targets:
             assert re.search(rf"^{re.escape(target)}:", makefile, re.MULTILINE), words
+
+
+def test_the_checker_is_compiled_on_its_page_as_by_make():
+    """The page's line has the flags of the Makefile, warnings aside."""
+    makefile = (pages.ROOT / "Makefile").read_text(encoding="utf-8")
+    rule = makefile.split("build/proofcheck: ")[1].split("$(CXX) ")[1].split("$<")[0]
+    flags = " ".join(flag for flag in rule.split() if not flag.startswith("-W"))
+    assert "-frounding-math" in flags
+    page = (pages.ROOT / "docs" / "checkers.md").read_text(encoding="utf-8")
+    assert f"g++ {flags} tools/proofcheck/proofcheck.cpp -o proofcheck\n" in page
 
 
 def test_names_in_c_exist():

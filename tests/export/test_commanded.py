@@ -55,9 +55,9 @@ def asked(told):
 def test_c_does_what_python_does(told, files, asked, tmp_path):
     for precision, defines in build.PRECISIONS.items():
         agreement = agree(told, asked, compiled(tmp_path, files, defines), precision)
-        asking = limits(told, precision)
-        assert max(agreement.output, agreement.rate) <= asking.output
-        assert 0.0 < agreement.torque <= asking.torque
+        allowed = limits(told, precision)
+        assert max(agreement.output, agreement.rate) <= allowed.output
+        assert 0.0 < agreement.torque <= allowed.torque
 
 
 @pytest.mark.slow
@@ -68,9 +68,9 @@ def test_a_gait_that_is_told_a_lean_has_the_torques_of_the_robot_that_it_believe
     asked = questions(told, Reference(told), STATES)
     assert np.ptp(asked.ticks.after[:, 1]) > 0.01
     agreement = agree(told, asked, compiled(tmp_path, files), "double")
-    asking = limits(told, "double")
-    assert max(agreement.output, agreement.rate) <= asking.output
-    assert 0.0 < agreement.torque <= asking.torque
+    allowed = limits(told, "double")
+    assert max(agreement.output, agreement.rate) <= allowed.output
+    assert 0.0 < agreement.torque <= allowed.torque
     own = (tmp_path / "controller.c").read_text()
     place = "command->lean = state->after[NG_LEAN_COMMAND - 1];"
     assert place in own

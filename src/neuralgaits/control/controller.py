@@ -236,7 +236,7 @@ def step(
     if law.uses_impact_consistent_rates:
         after = impact_consistent_rates(robot, _outputs(controller, now), reading)
         reading = jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, reading)
-    # After a touchdown the held outputs belong to the wrong legs.
+    # When the hold is over; and at a touchdown, since held outputs are for the old stance.
     ask = touchdown | (state.ticks_to_policy <= 0)
     held = jax.tree.map(
         lambda new, old: jnp.where(ask, new, old), _desired(controller, now, reading), state.held

@@ -1,8 +1,8 @@
-"""Torques of the model that makes desired accelerations, with no linear solve.
+"""Model torques that produce the desired accelerations, without a linear solve.
 
 With ddq_a = slope ddz1 + fixed and ddq_1 from c . ddq = ddz1, the unactuated row of the dynamics
-is one scalar equation for ddz1; the actuated rows then give the torque. Source:
-Westervelt et al. (2007), section 5.
+is one scalar equation for ddz1; the actuated rows then give the torque. So no decoupling matrix
+is inverted. Source: Westervelt et al. (2007), section 5.
 """
 
 import jax
@@ -14,8 +14,9 @@ from neuralgaits.control.law import Desired, MeasuredState, Outputs
 from neuralgaits.gait.policy import OutputJet
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined, momentum_of
 
-# Smallest |momentum per unit ddz1| that is divided by, in units of mass times leg length. A walk
-# stays near 1; below this the robot falls in a posture where hip and momentum part company.
+# Smallest |momentum per unit dz1| that is divided by, in units of mass times leg length. A walk
+# stays near 1; below this the robot is falling, in a posture where the momentum no longer
+# determines the hip's speed.
 SMALLEST_DENOMINATOR = 0.03
 
 
@@ -34,11 +35,11 @@ def accelerated(robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState
 def impact_consistent_rates(
     robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState
 ) -> MeasuredState:
-    """The state with the rates that meet the outputs at this momentum about the foot.
+    """Return the state with the rates that meet the outputs at this momentum about the foot.
 
-    At a touchdown joint rates, and dz1 with them, are those of an impact that is under way for
-    some milliseconds yet. It has no moment about the new foot, so z2 already has its final value,
-    and with the outputs' slopes it fixes the rates that a matched impact leaves.
+    At a touchdown the measured joint rates, and dz1 with them, are those during an impact, which
+    takes some milliseconds more. The impact has no moment about the new foot, so z2 already has
+    its final value. It and the outputs' slopes determine the rates after a matched impact.
 
     Returns: `MeasuredState`, its dq and dz1 replaced.
     """
@@ -51,7 +52,9 @@ def impact_consistent_rates(
 def inverse_dynamics(
     robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated
 ) -> Actuated:
-    """Joint torques of ddq_a = slope ddz1 + fixed, with no torque at the foot but an ankle's.
+    """Return the joint torques that produce ddq_a = slope ddz1 + fixed.
+
+    The only torque at the foot is an ankle's, if there is one.
 
     Returns: [m] (N m).
     """
@@ -63,7 +66,9 @@ def inverse_dynamics(
 def consistent_acceleration(
     robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated
 ) -> Coordinates:
-    """The acceleration with ddq_a = slope ddz1 + fixed under no torque at the foot but an ankle's.
+    """Return the acceleration with ddq_a = slope ddz1 + fixed.
+
+    The only torque at the foot is an ankle's, if there is one.
 
     Returns: [n] (rad/s^2).
     """
@@ -77,9 +82,9 @@ def consistent_acceleration(
 def _balance(
     robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated, moment: Scalar
 ) -> tuple[Coordinates, Scalar]:
-    """Rates or accelerations x, x_a = slope x1 + fixed, with D x about the foot of -moment.
+    """Solve for x, rates or accelerations: x_a = slope x1 + fixed, and row 1 of D x is -moment.
 
-    Returns: x, [n], and x1, that of z1.
+    Returns: x, [n], and x1, the rate or acceleration of z1.
     """
     row = robot.mass_matrix(reading.q)[0]
     coordinates = ZeroCoordinates(robot)

@@ -1,4 +1,4 @@
-"""A fully connected network: the only learned function in the package."""
+"""A fully connected network: part of policies, ankle torques and learned residuals."""
 
 from collections.abc import Callable
 from itertools import pairwise

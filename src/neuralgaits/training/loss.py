@@ -79,7 +79,7 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Ma
         for name, part in sampler.rows.items():
             if contains(spec.regions[c.region], spec.regions[name]):
                 counts[part, block] = True
-    # Aims are costly, and only of interest on rows of their own.
+    # Aims are costly, so they are evaluated only on the rows that are sampled for them.
     first = len(spec.conditions)
     aimed = _aims_rows(spec, sampler)
     counts[aimed, : int(ends[first])] = False
@@ -129,7 +129,7 @@ def margin_matrix(
 
     def one(sample, push):
         step, point = at(sample, push)
-        # One derivative for all barriers: a network inside, as after a reset, is passed once.
+        # One derivative for all barriers, so that a network in them is evaluated once.
         barriers = [c for c in spec.conditions if isinstance(c, Barrier)]
         values, rates = point.rate(lambda p: [c.function(p) for c in barriers])
         bends = {c.name: c.bent(*both) for c, *both in zip(barriers, values, rates, strict=True)}
@@ -144,7 +144,7 @@ def margin_matrix(
         return margins, torque
 
     def aims(sample):
-        # How the gait is meant to walk is said of the robot of the file.
+        # Aims say how the gait is to walk on the robot of the file, so errors of the robot are 0.
         end = spec.chart_size - len(spec.parameters)
         step, point = at(jnp.concatenate([sample[:end], jnp.zeros_like(sample[end:])]), None)
         middle = middle_of(point, step)
@@ -182,7 +182,7 @@ def barrier_loss(
     per_column = jnp.sum(hinge, axis=0) / layout.counts.sum(axis=0)
     if recipe.worst_weight:
         per_column = per_column + recipe.worst_weight * jnp.max(hinge, axis=0)
-    # No matrix product: zero times NaN would blame every condition for one.
+    # Not a matrix product: 0 * NaN is NaN, so one condition's NaN would spread to all.
     shares = jnp.where(layout.mean_of > 0, per_column[:, None] * layout.mean_of, 0.0)
     terms = jnp.sum(shares, axis=0)
     if np.any(layout.absolute):

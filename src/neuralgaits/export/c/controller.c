@@ -8,8 +8,8 @@
 #endif
 
 /*
- * Actuated joints, stance leg first and upwards, then the swing leg downwards. Values by leg are
- * passed by row: with both bounds declared, gcc 12 takes a copy of both rows for an overflow.
+ * Actuated joints, stance leg first and upwards, then the swing leg downwards. `by_leg` is a
+ * pointer to rows: with both bounds declared, gcc 12 warns of an overflow where there is none.
  */
 static void stance_first(const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
                          ng_real actuated[NG_ACTUATED])
@@ -82,7 +82,7 @@ static int advance_stance(ng_state *state, const ng_measurement *reading)
 #define Z1_GUARD state->step[1]
 #define Z1_MARGIN (NG_Z1_SHARE * (Z1_GUARD - Z1_START))
 
-/* A step begins: as far towards the wish as one step may change. */
+/* Begin a step: each command moves towards the requested one, by its largest change at most. */
 static void latch(ng_state *state)
 {
     for (int i = 0; i < NG_COMMANDS; ++i) {
@@ -124,7 +124,7 @@ static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
 }
 
 #if NG_ANKLES
-/* Ask the policy for the torque of the stance ankle, which changes z2 as it is known. */
+/* Ask the policy for the torque of the stance ankle, and add it to the rates of z2. */
 static void ask_ankle(const ng_law *law, const ng_state *state, const ng_real z[2],
                       ng_real dz[2], ng_real ddz2[1], ng_real *torque)
 {
@@ -175,8 +175,9 @@ static void lift(ng_real of_z1, ng_real of_q[NG_COORDINATES])
 }
 
 /*
- * Rates or accelerations along x1 + rest whose D x about the foot is -moment: x1, that of z1.
- * Of along and rest the joints are given and the first is filled in.
+ * Solve for x = along x1 + rest, rates or accelerations, with row 1 of D x equal to -moment.
+ * Returns x1, the rate or acceleration of z1. The caller gives along and rest of the actuated
+ * joints; their first elements are filled in.
  */
 static ng_real balanced(const ng_real mass[NG_COORDINATES * NG_COORDINATES], ng_real moment,
                         ng_real along[NG_COORDINATES], ng_real rest[NG_COORDINATES])
@@ -194,8 +195,8 @@ static ng_real balanced(const ng_real mass[NG_COORDINATES * NG_COORDINATES], ng_
 }
 
 /*
- * The rates that meet the outputs at this momentum: those measured at a touchdown are of an
- * impact that is under way, while z2 already is what it will be.
+ * The rates that meet the outputs at this momentum: joint rates measured at a touchdown are those
+ * during the impact, while z2 already has its value after it.
  */
 static void impact_consistent_rates(const ng_state *state, const ng_real q[NG_COORDINATES],
                                     const ng_real z[2], ng_real dz2, const ng_real *lean,
@@ -217,8 +218,8 @@ static void impact_consistent_rates(const ng_state *state, const ng_real q[NG_CO
 }
 
 /*
- * Torque at the foot that the joints have to do without or with: none, or an ankle's, whose motor
- * makes up for the joint's own friction.
+ * The bias of the first row plus the torque at the foot: none on point feet, else the ankle's,
+ * whose motor makes up for the joint's own friction.
  */
 static ng_real moment_at_foot(ng_real bias, ng_real dq, ng_real ankle)
 {
@@ -231,7 +232,7 @@ static ng_real moment_at_foot(ng_real bias, ng_real dq, ng_real ankle)
 #endif
 }
 
-/* Torques of ddq_a = slope ddz1 + known, where ddz1 follows from the torque at the foot. */
+/* Torques for ddq_a = slope ddz1 + rest, where ddz1 follows from the torque at the foot. */
 static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
                              const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
                              ng_real ankle, const ng_real *lean, ng_real torque[NG_ACTUATED])
@@ -321,7 +322,7 @@ static void scheduled(const ng_schedule *of, const ng_real z[2], const ng_real p
     }
 }
 
-/* Before limits. */
+/* The law's torques, before limits. */
 static void torques(const ng_law *law, const ng_real z[2], const ng_real q[NG_COORDINATES],
                     const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
                     ng_real ankle, const ng_real *lean, ng_real torque[NG_ACTUATED])
@@ -424,7 +425,7 @@ ng_fault ng_check(const ng_config *config, const ng_state *state, const ng_measu
     return check_joints(config, reading);
 }
 
-/* Time in the air. */
+/* Fault if both feet have been off the ground for too long. */
 static ng_fault check_contact(const ng_config *config, ng_state *state,
                               const ng_measurement *reading)
 {
@@ -434,7 +435,7 @@ static ng_fault check_contact(const ng_config *config, ng_state *state,
     return state->airborne > config->airborne_s ? NG_FAULT_LOST_CONTACT : NG_NO_FAULT;
 }
 
-/* From holding the first posture to the law, with limited torque rates. */
+/* Blend from holding the first posture to the law, and limit the rates of torques. */
 static ng_fault guard(const ng_config *config, ng_state *state, const ng_measurement *reading,
                       ng_real wanted[NG_LEGS][NG_LEG_JOINTS])
 {
@@ -479,7 +480,7 @@ static void stop(ng_state *state, ng_fault fault, ng_command *command)
     command->leg = state->leg;
 }
 
-/* What the law wants; the state of stance and policy moves on. */
+/* Compute the law's torques; advance stance, commands and held outputs by one tick. */
 static void follow(const ng_config *config, ng_state *state, const ng_measurement *reading,
                    ng_command *command, ng_real wanted[NG_LEGS][NG_LEG_JOINTS])
 {
@@ -519,7 +520,7 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
         ddz2[0] += ankle_rate;
 #endif
     }
-    /* After a touchdown the held outputs belong to the wrong legs. */
+    /* When the hold is over; and at a touchdown, since held outputs are for the old stance. */
     if (command->touchdown || state->ticks_to_policy <= 0) {
         ask(law, command->z, dz, ddz2[0], state);
         state->ticks_to_policy = law->hold_ticks;

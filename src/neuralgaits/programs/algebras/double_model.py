@@ -26,9 +26,9 @@ Bounds = np.ndarray
 
 
 def raised(bound: np.ndarray) -> np.ndarray:
-    """Return what is no less than the exact value of an expression of fewer than 2000 roundings.
+    """Return a bound on the exact value of an expression that was computed with rounding.
 
-    All that was added or multiplied in it must not be negative.
+    It has fewer than 2000 roundings, and nothing that is added or multiplied in it is negative.
     """
     return bound * (1.0 + GROWTH) + TINY
 
@@ -37,8 +37,8 @@ def raised(bound: np.ndarray) -> np.ndarray:
 class TermLayout:
     """Order of the coefficients: 1, e_i, e_i^2, e_i e_j with i < j in lexical order, t, s.
 
-    A vector that does not depend on xi has no s; without symbols behind it, no t; a constant has
-    its first coefficient only.
+    A vector leaves out the last ones where they would be 0: s if nothing depends on xi, and t, too,
+    if it has no remainder symbols. A constant has its first coefficient only.
 
     Attributes:
         axes: n.
@@ -70,7 +70,7 @@ class TermLayout:
 
     @cached_property
     def uneven(self) -> slice:
-        """Slice of the coefficients of e_i e_j, i < j, and of f: what has either sign."""
+        """Slice of the coefficients of e_i e_j, i < j, and of f: terms of either sign."""
         return slice(1 + 2 * self.axes, self.quadratic + self.named)
 
     @cached_property
@@ -84,9 +84,9 @@ class TermLayout:
         return slice(self.quadratic + self.named, None)
 
     def product(self, p: np.ndarray, q: np.ndarray) -> np.ndarray:
-        """Multiply two linear parts [axes, n, B]; one of them twice if they are the same array.
+        """Return the product of two linear parts [axes, n, B]; if they are one array, its square.
 
-        Three roundings a coefficient at most.
+        Returns: the coefficients of second degree, each with three roundings at most.
         """
         shape = np.broadcast_shapes(p.shape[1:], q.shape[1:])
         coefficients = np.empty((self.quadratic - 1 - self.axes, *shape))

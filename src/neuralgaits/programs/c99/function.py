@@ -1,8 +1,8 @@
 """The algebra of C: a Program becomes one function of C99, arrays and loops.
 
 The walk records operations; `emit` lays them out. Operations of one size share a loop, products
-with one matrix share a pass over it, and arrays that are no longer needed lend their memory to
-later ones. The text calls `ng_sqrt`, `ng_sin`, `ng_cos`, `ng_tanh`, `ng_logistic`, `ng_exp` and
+with one matrix share a pass over it, and the memory of arrays that are no longer needed is used
+again. The text calls `ng_sqrt`, `ng_sin`, `ng_cos`, `ng_tanh`, `ng_logistic`, `ng_exp` and
 `ng_log1p` on `ng_real`, which the caller defines, and nothing else: no heap, no state.
 """
 

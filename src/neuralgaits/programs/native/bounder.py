@@ -16,7 +16,7 @@ from neuralgaits.programs.remainder_symbols import MOST_OFF_ZERO, MOST_SYMBOLS, 
 
 
 class Bounder:
-    """Bounds on the smallest element of some outputs over boxes of u, and a unit ball of xi."""
+    """Bounds on the smallest element of each output, for u in a box and xi in the unit ball."""
 
     def __init__(self, code: ProgramCode, rules: ctypes.CDLL):
         self._rules = rules
@@ -39,9 +39,9 @@ class Bounder:
             program: Program of u, over which boxes are given, and perhaps of an xi in the unit
                 ball.
             names: names of the outputs.
-            folded: its constant values, as `fold` gives them.
-            symbols: first symbols of the values whose remainders have symbols; `most_symbols`
-                at most.
+            folded: its constant values, as `fold` returns them.
+            symbols: for each value whose remainders have symbols, the number of its first one;
+                `most_symbols` in all at most.
         """
         rules = rules_of(program, _room_for(count_of(program, symbols)))
         return None if rules is None else cls(encode(program, names, folded, symbols), rules)
@@ -53,9 +53,9 @@ class Bounder:
     def bounds(
         self, low: Float[np.ndarray, "B n"], high: Float[np.ndarray, "B n"]
     ) -> tuple[Float[np.ndarray, "B C"], Float[np.ndarray, "B C"]]:
-        """Bounds from below and above on each output's smallest element; NaN where there is none.
+        """Return lower and upper bounds on each output's smallest element; NaN where unknown.
 
-        The upper one is the least of the elements' own: no smallest element is above it.
+        The upper bound is the least of the elements' upper bounds.
         """
         corners = [np.ascontiguousarray(side, dtype=np.float64) for side in (low, high)]
         corner_values = [np.empty((len(low), self._outputs)) for _ in corners]
@@ -67,7 +67,7 @@ class Bounder:
 
 
 def _room_for(symbols: int) -> int:
-    """Return the least number of symbols with which code is compiled and that these fit in."""
-    # Numbers of symbols for which code is compiled: room for sixteen doubles the time of bounds.
+    """Return the smallest number of symbols for which code is compiled and which is enough."""
+    # Code is compiled for these numbers of symbols: room for sixteen doubles the time of bounds.
     rooms = (0, 4, 8, MOST_SYMBOLS, MOST_OFF_ZERO)
     return next(room for room in rooms if symbols <= room)

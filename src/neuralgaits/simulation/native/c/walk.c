@@ -10,7 +10,7 @@
 #define SENSORS (1 + NG_LEGS * NG_LEG_JOINTS)
 #define MICROSECONDS 1.0e6
 
-/* What there is to measure. */
+/* The true values of all measured quantities. */
 typedef struct {
     ng_measurement reading;
     double hip[2]; /* in the world [m] */
@@ -89,7 +89,7 @@ void ng_walk_start(ng_walk *walk, int leg, const double *command)
     walk->ending = NG_RUNNING;
 }
 
-/* What sensors would say of the plant. */
+/* Read the plant as sensors without errors would. */
 static void look(const ng_scene *scene, const ng_walk *walk, const mjData *data,
                  truth_of_tick *truth)
 {
@@ -116,7 +116,7 @@ static void look(const ng_scene *scene, const ng_walk *walk, const mjData *data,
     }
 }
 
-/* To the nearest whole number, halves to the even one. */
+/* Round to the nearest multiple of the step, halves to the even one. */
 static double counted(double angle, double step)
 {
     volatile double shifted = angle / step + NG_ROUNDER;
@@ -157,7 +157,7 @@ static double largest(const double values[NG_ACTUATED])
     return found;
 }
 
-/* Account for one tick. */
+/* Add one tick to the figures of the walk. */
 static void gauge(const ng_scene *scene, ng_walk *walk, const ng_command *command, double time,
                   double hip)
 {
@@ -196,8 +196,8 @@ static void gauge(const ng_scene *scene, ng_walk *walk, const ng_command *comman
 }
 
 /*
- * How far the hip speed that these torques are for is from the one that they meet: the estimate
- * is as old as they are.
+ * Error of the hip speed from which the torques that are applied now were computed. They and the
+ * estimate are delay_ticks old.
  */
 static void gauge_estimate(const ng_scene *scene, ng_walk *walk, double estimate, double truth)
 {
@@ -251,14 +251,20 @@ static int in_gap(const ng_scene *scene, const ng_walk *walk, const ng_command *
            walk->feet[0][1] - scene->foot_radius < level - scene->gap_depth;
 }
 
+/* Whether the walk has ended, and how; `ending` in ticks/falls.py does the same. */
 static ng_ending judge(const ng_scene *scene, const ng_walk *walk, const mjData *data,
                        const truth_of_tick *truth, const ng_command *command)
 {
     double level = walk->floor[command->leg];
     if (scene->course && command->touchdown) {
-        level = walk->feet[0][1] - scene->foot_radius; /* not kept before the end of the tick */
+        /* `walk->floor` gets this foothold only after this tick's decision. */
+        level = walk->feet[0][1] - scene->foot_radius;
     }
     const double floor = level + scene->slope * truth->hip[0];
+    /*
+     * Any fault counts as "not finite": the scene sets the safeguard's other limits to infinity, so
+     * a fault says that a reading or a torque is NaN or infinite.
+     */
     if (command->fault != NG_NO_FAULT || !all_state_finite(scene, data)) {
         return NG_NOT_FINITE;
     }
@@ -308,7 +314,7 @@ static void keep(const ng_walk *walk, const mjData *data, const truth_of_tick *t
 #endif
 }
 
-/* Keep a touchdown; `reference` is that of the step that ended. */
+/* Record a touchdown; `reference` is the adapted speed of the step that ended. */
 static void stride(ng_walk *walk, const ng_command *command, double time, double hip,
                    double reference)
 {
@@ -361,7 +367,7 @@ static double slope_at(const ng_walk *walk, double x)
     return row[1] + (row[3] - row[1]) / (row[2] - row[0]) * (x - row[0]);
 }
 
-/* Of a course: what the next touchdown is to be told, as far as it can be seen. */
+/* On a course: set the commands of the next touchdown, as far as they can be seen. */
 static void look_ahead(const ng_scene *scene, ng_walk *walk)
 {
     const double *foot = walk->feet[1];
@@ -389,7 +395,7 @@ static double held(const ng_scene *scene, const ng_measurement *seen, int leg, i
     return scene->drive_stiffness * angle + scene->drive_damping * seen->rates[leg][i];
 }
 
-/* What is decided at a state. */
+/* One tick without the plant: measure, ask the controller, judge, set the controls. */
 static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, const double *noise,
                    double *controls, ng_command *command, ng_record *record)
 {
@@ -447,8 +453,8 @@ void ng_walk_tick(const ng_scene *scene, ng_walk *walk, const mjData *data, doub
 }
 
 /*
- * Draw the next foothold's level at a touchdown, and move its plane once the foot is above. On a
- * course, keep where the foot has come down.
+ * On an uneven floor, draw the next foothold's level at a touchdown, and move its plane once the
+ * foot is above. On a course, record the level at which the foot came down.
  */
 static void lay_floors(const ng_scene *scene, ng_walk *walk, const ng_command *command)
 {
@@ -487,14 +493,17 @@ static double push(const ng_scene *scene, ng_walk *walk, const ng_command *comma
     return pushing ? scene->push_force : 0.0;
 }
 
-/* The controls that are due: a ring as long as the delay. */
+/* The controls that are applied now, from a ring as long as the delay. */
 static const double *due(const ng_scene *scene, const ng_walk *walk)
 {
     const int rows = scene->delay_ticks + 1;
     return walk->late + scene->model->nu * (walk->ticks % rows);
 }
 
-/* Through one tick. A bad state that MuJoCo has put right ends its steps, as in its rollouts. */
+/*
+ * Step MuJoCo through one tick. Where MuJoCo has reset a bad state, the remaining steps are left
+ * out, as in its rollouts.
+ */
 static void advance(const ng_scene *scene, ng_walk *walk, mjData *data, double force)
 {
     const mjModel *model = scene->model;
