@@ -13,7 +13,10 @@ os.environ["JAX_PLATFORMS"] = "cpu"
 sys.path.insert(0, str(Path(__file__).parents[1] / "src"))
 sys.path.insert(0, str(Path(__file__).parent))
 
+from neuralgaits import __version__
+
 project = "Neural Gaits"
+version = release = __version__
 author = "The Neural Gaits developers"
 copyright = author
 
@@ -39,6 +42,8 @@ autodoc_class_signature = "separated"
 napoleon_numpy_docstring = False
 napoleon_google_docstring = True
 default_role = "py:obj"
+# Quotes and dots, and no dashes: two hyphens begin an option.
+smartquotes_action = "qe"
 python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 80
 add_module_names = False
@@ -46,9 +51,11 @@ add_module_names = False
 toc_object_entries_show_parents = "hide"
 
 html_theme = "furo"
-html_title = project
+html_title = f"{project} {release}"
+html_favicon = "assets/favicon.svg"
 html_static_path = ["assets"]
 html_css_files = ["pages.css"]
+html_js_files = ["menu.js"]
 html_copy_source = False
 html_show_sphinx = False
 html_show_copyright = False

@@ -8,7 +8,8 @@ STYLE = Path(__file__).parents[2] / "docs" / "assets" / "pages.css"
 ADDRESS = "http://localhost/"
 BODY = """
 <article>
-<p id="chart"><img src="_images/8-proof.png"></p>
+<p id="chart"><img src="_images/3-zero-dynamics.png"></p>
+<p id="map"><img src="_images/8-proof.png"></p>
 <p id="scene"><img src="_images/gait.png"></p>
 <p id="film"><img src="_images/walk.webp"></p>
 <table><tr><th><img src="a.webp"></th><th><img src="b.webp"></th></tr>
@@ -44,10 +45,10 @@ def look(page, place: str, name: str, part: str = "") -> str:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_charts_are_turned_round_in_the_dark_and_pictures_of_the_scene_are_not(opened, scheme):
+def test_charts_are_turned_round_in_the_dark_and_scenes_and_the_map_are_not(opened, scheme):
     page = opened(1440, scheme)
     assert ("invert" in look(page, "#chart img", "filter")) == (scheme == "dark")
-    for place in ("#scene img", "#film img", "th img"):
+    for place in ("#scene img", "#map img", "#film img", "th img"):
         assert look(page, place, "filter") == "none"
 
 

@@ -1,6 +1,7 @@
 """Plain words exist for everything that the package itself defines."""
 
 import inspect as introspection
+import json
 
 import pytest
 
@@ -10,6 +11,7 @@ from neuralgaits.records.level_words import ON_TARGET, WORDS
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
+from support.shipped_run import SHIPPED
 
 
 @pytest.mark.parametrize("name", sorted(specs.BUILT_IN))
@@ -20,6 +22,13 @@ def test_every_condition_of_a_built_in_spec_has_words(name):
         assert "written by the user" not in said and "_" not in said, condition["name"]
         assert not said.startswith(("at least", "at most")), condition["name"]
         assert phrases.region(condition["region"])
+
+
+@pytest.mark.parametrize("folder", ["demo_run", "demo_speed_run"])
+def test_every_condition_of_a_shipped_run_has_words(folder):
+    config = json.loads((SHIPPED.with_name(folder) / "config.json").read_text())
+    for condition in config["described"]["conditions"]:
+        assert "written by the user" not in phrases.condition(condition), condition["name"]
 
 
 def test_every_quantity_has_words_and_a_unit():

@@ -123,6 +123,8 @@ def condition(described: Mapping[str, Any]) -> str:
         return f"after touchdown the next step begins inside the {side} edge"
     if kind == "TubeWidth":
         return f"width of the region in z2 ≥ {number(described['least'])} of its mean z2"
+    if kind == "FencesApart":
+        return "the edges of the region stay apart, both above zero"
     if kind == "Equality":
         inner = described["quantity"]
         bounded = inner.get("function") in ("at_least", "at_most")
