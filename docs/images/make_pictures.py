@@ -34,7 +34,7 @@ OF_RUN = {
     "9-full-order": "full-order-set",
 }
 OF_ROUND = {"10-learning": "rounds"}
-LIMIT = 60_000
+LIMIT = 130_000
 """Largest picture [bytes]."""
 COLOURS = (128, 112, 96, 64, 32)
 
@@ -60,9 +60,12 @@ def main() -> None:
 
 
 def save(name: str, picture: bytes) -> None:
-    """Write a PNG with as many colours as the limit allows."""
+    """Write a PNG with all of its colours, or as many as the limit allows."""
     whole = Image.open(BytesIO(picture)).convert("RGB")
-    for colours in COLOURS:
+    small = BytesIO()
+    whole.save(small, "PNG", optimize=True)
+    colours = 2**24
+    for colours in COLOURS if small.tell() > LIMIT else ():
         small = BytesIO()
         # By coverage: the few dots of a legend keep their colours.
         few = whole.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)

@@ -12,6 +12,7 @@ from neuralgaits.cli.usage import condense
 from neuralgaits.records.installed import BuiltIn, CatalogueEntry
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary, Violations
+from neuralgaits.records.training_config import Range
 from support.shipped_run import SHIPPED
 
 ASKED = {"plant": "amber3m", "controller": "pd", "start": "centre", "seed": 0, "episodes": 2}
@@ -140,6 +141,29 @@ def test_conditions_that_hold_are_one_line(capsys: pytest.CaptureFixture[str]) -
     out = capsys.readouterr().out
     assert out.startswith("trained: all 2 conditions hold on fresh samples")
     assert "23 s, 18 s of it compiling" in out
+
+
+def trained_for_speeds(*orbits: float) -> TrainingSummary:
+    """Return the result of a training for 0.6 to 0.8 m/s with these orbits at both ends."""
+    return TrainingSummary(
+        run="runs/a",
+        steps=9,
+        loss=0.0,
+        conditions={"a": HOLDS},
+        wall_s=1.0,
+        commands={"speed": Range(0.6, 0.8)},
+        orbit_speeds_m_s=(orbits[0], orbits[1]),
+    )
+
+
+def test_a_range_of_speeds_that_is_not_reached_says_what_to_train(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    brief.brief_training(trained_for_speeds(0.601, 0.772))
+    out = capsys.readouterr().out
+    assert "slower  by 0.028 m/s than requested at the upper end: train --speed 0.6:0.856" in out
+    brief.brief_training(trained_for_speeds(0.601, 0.795))
+    assert "slower" not in capsys.readouterr().out
 
 
 def test_names_are_not_read_as_markup(capsys: pytest.CaptureFixture[str]) -> None:

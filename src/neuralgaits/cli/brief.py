@@ -55,6 +55,12 @@ def brief_training(result: TrainingSummary, *, hint: bool = True) -> None:
             else f"orbits at {measured[0]:.3g} to {measured[1]:.3g} m/s"
         )
         facts.append(("speed", f"requested {requested.low:g} to {requested.high:g} m/s, {orbits}"))
+        if measured is not None and (slower := requested.high - measured[1]) > 0.01 * measured[1]:
+            # Twice as much more: what is added is missed by as large a share.
+            wider = f"--speed {requested.low:g}:{requested.high + 2.0 * slower:.3g}"
+            facts.append(
+                ("slower", f"by {slower:.2g} m/s than requested at the upper end: train {wider}")
+            )
     facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s of it compiling"))
     facts += [("run", result.run), ("next", command("simulate", named(result.run)))]
     show_facts(facts)

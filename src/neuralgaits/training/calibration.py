@@ -42,13 +42,24 @@ def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) ->
     beyond = 0.2
     places = np.linspace(-1.0 - beyond, 1.0 + beyond, KNOTS)
     speeds = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
-    rising = np.isfinite(speeds).all() and np.all(np.diff(speeds) > 0.0)
-    if not rising:
+    rising = rising_part(speeds)
+    if len(speeds[rising]) < CURVE_TERMS:
         return gait
     requested = np.linspace(-1.0, 1.0, KNOTS)
-    corrected = np.interp(middle + half * requested, speeds, places)
+    # Where no orbit is as slow or as fast as requested, the slowest or fastest is taken.
+    corrected = np.interp(middle + half * requested, speeds[rising], places[rising])
     plain[at] = polynomial.polyfit(requested, corrected, CURVE_TERMS - 1)
     return eqx.tree_at(lambda g: g.policy.curves, gait, plain)
+
+
+def rising_part(speeds: Float[np.ndarray, " k"]) -> slice:
+    """Return the knots around the middle one from each of which to the next the speed rises."""
+    first = last = len(speeds) // 2
+    while first > 0 and speeds[first - 1] < speeds[first]:
+        first -= 1
+    while last + 1 < len(speeds) and speeds[last + 1] > speeds[last]:
+        last += 1
+    return slice(first, last + 1)
 
 
 def _speed(
