@@ -61,6 +61,7 @@ def test_ticks_of_a_logged_walk_are_at_hand(run, walked):
     assert len(simulation.logs) == 2
     log, written = simulation.logs[0], logs.read(file, run.robot).log
     assert log.q.shape == (len(log.t), run.robot.n)
+    assert repr(log).startswith(f"<Log of episode 0: {len(log)} rows, ")
     np.testing.assert_array_equal(log.stance, written.stance)
     np.testing.assert_allclose(log.q, written.q, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(log.tau, written.tau, rtol=1e-9, atol=1e-9)

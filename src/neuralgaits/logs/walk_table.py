@@ -5,10 +5,11 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from neuralgaits._printable import counted
 from neuralgaits._types import Bool, Float, Int
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Log:
     """One walk, in SI units. k rows, n coordinates, m = n - 1 actuated joints.
 
@@ -55,6 +56,11 @@ class Log:
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.t)
+
+    def __repr__(self) -> str:
+        """Summarise in one line where the walk is from, and how long it is."""
+        span = self.t[-1] - self.t[0] if len(self) else 0.0
+        return f"<Log of {self.source}: {counted(len(self), 'row')}, {span:.4g} s>"
 
     @property
     def period_s(self) -> float:
