@@ -3,10 +3,12 @@
 import re
 
 import numpy as np
+import pytest
 
 from neuralgaits.viewer import bars
-from neuralgaits.viewer.page_style import BAD
+from neuralgaits.viewer.page_style import BAD, GOOD, QUIET, SAID, TIGHT
 from neuralgaits.viewer.walker import Margins
+from support.contrast import channels, contrast
 
 
 def test_bars_have_the_length_of_their_margins():
@@ -42,3 +44,25 @@ def test_a_bar_says_what_its_condition_states_and_its_hint_the_name():
     assert ">torso &lt; &quot;upright&quot;</span>" in page
     assert 'title="two; z is outside of its region: read near it"' in page
     assert ">two</span>" in page
+
+
+def test_bars_of_another_robot_than_the_files_say_so_and_have_no_colour():
+    margins = Margins(np.array([0.5, -0.25]), np.array([True, True]))
+    own, changed = (bars.render(["one", "two"], margins, changed=one) for one in (False, True))
+    about = "About the robot and the floor of the file, not about what was changed."
+    assert about not in own and about in changed
+    assert GOOD.light in own and BAD.light in own
+    assert GOOD.light not in changed and BAD.light not in changed
+
+
+@pytest.mark.parametrize("ink", [GOOD, BAD, TIGHT, QUIET, SAID])
+def test_words_stand_out_from_their_ground(ink):
+    """The panel's own grounds. Source of the ratio: WCAG 2.2, 1.4.3, normal text."""
+    for colour, ground in ((ink.light, "#ffffff"), (ink.dark, "#242424")):
+        assert contrast(channels(colour), channels(ground)) >= 4.5
+
+
+def test_no_words_are_pale():
+    margins = Margins(np.array([0.5]), np.array([False]))
+    page = bars.render(["one"], margins)
+    assert re.findall(r"<[^>]*opacity[^>]*>([^<]*)", page) == [""]

@@ -48,7 +48,9 @@ def test_on_a_phone_the_controls_leave_the_upper_half_to_the_robot(live, browser
 
 def test_the_answer_and_its_limits_are_in_view_without_a_click(page):
     page.get_by_text("The proof file states level 3 of 5.").wait_for(timeout=300_000)
-    page.get_by_text("Inside the proved set of level 2: yes, margin 0.").wait_for(timeout=300_000)
+    page.get_by_text("Inside the proved walking set of level 2: yes, margin 0.").wait_for(
+        timeout=300_000
+    )
     for words in ("Proved, to level 3 of 5", "What is not covered."):
         page.get_by_text(words).first.wait_for(state="visible", timeout=300_000)
     # A long path breaks before the edge of the panel.
@@ -56,6 +58,29 @@ def test_the_answer_and_its_limits_are_in_view_without_a_click(page):
         "(one) => Math.max(...[...one.getClientRects()].map((box) => box.right))"
     )
     assert right <= WIDTH
+
+
+def test_the_status_stays_in_view_and_nothing_below_it_moves(live, browser):
+    """A push and its outcome are on one screen of a phone; the chart stays under the pointer."""
+    opened = browser.new_page(viewport={"width": 390, "height": 844})
+    opened.goto(live.url)
+    opened.get_by_text("Walks ·").wait_for(timeout=300_000)
+    opened.locator(".phase-portrait").wait_for(timeout=300_000)
+    opened.get_by_role("button", name="forward").evaluate("one => one.scrollIntoView()")
+    places = []
+    for words in ("one line", "one line, and as many words as make it three lines " * 3):
+        live._panel.say(words)
+        opened.locator(".walk-status", has_text=words.strip()).wait_for(timeout=300_000)
+        # At one moment: both are drawn anew.
+        boxes = opened.evaluate(
+            "() => ['.phase-portrait', '.walk-status']"
+            ".map((one) => document.querySelector(one).getBoundingClientRect().toJSON())"
+        )
+        places.append([(box["top"], box["bottom"]) for box in boxes])
+    opened.close()
+    assert places[0] == places[1]
+    top, bottom = places[0][1]
+    assert page_style.SCENE_SHARE * 844 - 1.0 <= top and bottom < 844
 
 
 def until(condition, seconds=300.0):
@@ -153,7 +178,8 @@ def test_a_fall_is_explained_and_reset(live, page):
     assert live.player.failure is None
     page.get_by_text("Fell: ").wait_for(timeout=300_000)
     assert live.gait.shown().fall is not None
-    page.get_by_role("button", name="Reset").click(timeout=300_000)
+    # The one beside the words presses the panel's own.
+    page.locator(".walk-status").get_by_role("button", name="Reset").click(timeout=300_000)
     until(lambda: live.gait.shown().fall is None)
     page.get_by_text("Walks ·").wait_for(timeout=300_000)
 

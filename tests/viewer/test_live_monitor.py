@@ -117,12 +117,15 @@ SEEN = SetMembership("2", True, 0.314, "level-upper", True, 0.99999)
     ("changes", "words"),
     [
         # Not all ticks were inside: no 100 %.
-        ({}, "set of level 2: yes, margin 0.31 (fast edge) · 99.9 % of ticks so far"),
+        ({}, "walking set of level 2: yes, margin 0.31 widths of the region (fast edge) · 99.9 %"),
         ({}, "so far; outside only within 5 ms of touchdowns"),
         ({"away_s": 0.214}, "so far; outside for 0.21 s away from touchdowns"),
         ({"share": 1.0, "away_s": 0.0}, "100.0 % of ticks so far</div>"),
-        ({"levels": "4, 5", "name": "knee-clears"}, "set of levels 4 and 5: yes"),
-        ({"inside": False, "margin": -0.02}, "no, margin −0.02 (fast edge)"),
+        (
+            {"levels": "4, 5", "name": "knee-clears"},
+            "proved set of levels 4 and 5: yes, margin 0.31 (",
+        ),
+        ({"inside": False, "margin": -0.02}, "no, margin −0.02 widths of the region (fast edge)"),
         ({"inside": False, "admissible": False}, "no, it is not about this command"),
     ],
 )
@@ -148,7 +151,7 @@ def test_the_status_has_the_line_and_none_without_a_proof(unproved):
         status = Panel.status(panel, Picture(shown, None, False, 1.0, None, None))
         assert status.count("<div") == count
     sure = how_sure(open_run(unproved))
-    assert sure.monitor is None and "Inside the proved set" not in sure.words
+    assert sure.monitor is None and "Inside the proved" not in sure.words
 
 
 def test_a_changed_floor_or_robot_is_said_and_no_answer_is_green(shipped, gait):
@@ -162,7 +165,7 @@ def test_a_changed_floor_or_robot_is_said_and_no_answer_is_green(shipped, gait):
     def status():
         shown = gait.shown()
         text = Panel.status(panel, Picture(shown, None, False, 1.0, None, None))
-        return shown.off_proof, text.partition("Inside the proved set")[0]
+        return shown.off_proof, text.partition("Inside the proved walking set")[0]
 
     before = gait.settings
     off, head = status()
@@ -171,7 +174,7 @@ def test_a_changed_floor_or_robot_is_said_and_no_answer_is_green(shipped, gait):
     gait.disturb("torque_limit", 20.0)
     off, head = status()
     assert off == (
-        "Changed: slope 4 deg; torque limit 20 N m. "
+        "Changed: slope 4 deg; torque limit 20 N\u00a0m. "
         "The proof is about the robot of its file, on a level floor."
     )
     assert TIGHT.css in head and off in head and head.rstrip('">').endswith(QUIET.css)

@@ -53,6 +53,7 @@ def frame(made, laps=(), speeds=None, lean=None, off_proof=""):
     shown: Any = SimpleNamespace(
         steps=0, speed=0.0, time=0.0, walked=0.0, fall=None, laps=laps, memberships=()
     )
+    shown.changed = False
     shown.speeds, shown.lean, shown.off_proof = speeds, lean, off_proof
     made.show(Picture(shown, None, False, 1.0, None, None))
 
@@ -242,7 +243,7 @@ def test_a_slow_machine_says_what_was_asked_and_what_it_manages(pace, words):
 
 
 def test_the_torque_slider_is_of_a_limit():
-    assert plant_sliders(0.6, 41.0)["torque_limit"].label == "torque limit [N m]"
+    assert plant_sliders(0.6, 41.0)["torque_limit"].label == "torque limit [N\u00a0m]"
 
 
 @pytest.mark.parametrize(

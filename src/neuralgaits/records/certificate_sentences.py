@@ -1,6 +1,6 @@
 """Statements of a certificate in words for a reader who does not know its terms."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from neuralgaits._digits import at_least
 from neuralgaits.records.certified import CertificateRecord, Verdict
@@ -124,12 +124,15 @@ def _compared_robots(certificate: CertificateRecord) -> tuple[str, str]:
     return (" of one robot", ", of each robot its own") if certificate.robots else ("", "")
 
 
-def proved(certificate: CertificateRecord, with_commands: bool) -> str:
+def proved(
+    certificate: CertificateRecord, with_commands: bool, words: Mapping[str, str] | None = None
+) -> str:
     """Describe the proof, level by level up to the highest; level 1 must be proved.
 
     Args:
         certificate: certificate with the proof.
         with_commands: whether the gait takes commands.
+        words: what conditions state, by name, as the page has them elsewhere.
     """
     level, count = certificate.proved_level, len(certificate.conditions)
     meant = WORDS[level].meaning(with_commands=with_commands)
@@ -158,7 +161,7 @@ def proved(certificate: CertificateRecord, with_commands: bool) -> str:
         f"Proved, to level {level} of {HIGHEST}{robots}: {meant} Every one of the "
         f"{count} conditions was shown at every state of its region, rounding errors included, "
         f"with at least {_least(certificate)} of its typical size to spare"
-        f"{_tightest(certificate)}.{more}"
+        f"{_tightest(certificate, words or {})}.{more}"
     )
 
 
@@ -180,12 +183,16 @@ def left_open(level: int, robots: str | None = None) -> str:
     return f"The proof assumes that {'; '.join(assumptions(level, robots))}."
 
 
-def _tightest(certificate: CertificateRecord) -> str:
+def _tightest(certificate: CertificateRecord, words: Mapping[str, str]) -> str:
     """Return which condition has the smallest margin, in brackets; empty without margins."""
     margins = {
         name: one.margin for name, one in certificate.conditions.items() if one.margin is not None
     }
-    return f" (tightest: {min(margins, key=lambda name: margins[name])})" if margins else ""
+    if not margins:
+        return ""
+    name = min(margins, key=lambda name: margins[name])
+    said = words.get(name, "").partition(";")[0]
+    return f" (tightest: {said + ', ' if said else ''}{name})"
 
 
 def _least(certificate: CertificateRecord) -> str:

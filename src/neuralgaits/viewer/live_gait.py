@@ -190,6 +190,7 @@ class LiveGait:
             self._beliefs_within,
             doubted=LEAN in live.control.doubted,
         )
+        changes = self._changes(lean)
         return WalkFrame(
             time=live.time,
             walked=live.time - self._begun,
@@ -209,19 +210,19 @@ class LiveGait:
             speeds=live.control.speeds,
             lean=lean,
             memberships=() if self._monitor is None else self._monitor.memberships(),
-            off_proof=self._off_proof(lean),
+            off_proof=off_proof_words(changes, self._proved_of),
+            changed=bool(changes),
         )
 
-    def _off_proof(self, lean: LeanMarks | None) -> str:
-        """Say how robot and floor differ from the proof's; "" if they do not."""
+    def _changes(self, lean: LeanMarks | None) -> tuple[str, ...]:
+        """Return how robot and floor differ from those of margins and proof; () if they do not."""
         settings = dict(self.settings)
         if lean is not None and (lean.covered or abs(lean.true - lean.believed) < _LEAN):
             # The proof is about robots that lean as they believe, or so nearly.
             settings.pop(AHEAD, None)
         place = place_of(self.run.trained.commands, SLOPE)
         slope = None if place is None else float(self.live.commands[1][place])
-        changes = changed_settings(settings, self.live.plant.disturbance, slope)
-        return off_proof_words(changes, self._proved_of)
+        return changed_settings(settings, self.live.plant.disturbance, slope)
 
     @property
     def steps(self) -> int:

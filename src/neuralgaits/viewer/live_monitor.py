@@ -8,11 +8,14 @@ import numpy as np
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.analysis.step_parameters import step_parameters
+from neuralgaits.records.level_words import WALKING_SET_LEVEL
 from neuralgaits.records.monitored import margin_in_words
 from neuralgaits.simulation.live_tick import MeasuredTick
 from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT, line
 
+_EDGES = ("level-lower", "level-upper")
+"""Names of the margins in widths of the region; others have units of their own."""
 NEAR_TOUCHDOWN_S = 0.005
 """Time around a touchdown in which undisturbed walks leave the sets [s], see docs/monitor.md."""
 
@@ -139,13 +142,16 @@ def membership_lines(memberships: tuple[SetMembership, ...], off_proof: bool = F
 def _words(one: SetMembership) -> str:
     levels = f"level{'s' * (',' in one.levels)} {one.levels.replace(', ', ' and ')}"
     margin = f"{one.margin:.2f}".replace("-", "\u2212")
+    if one.name in _EDGES:
+        margin += " widths of the region"
     answer = f"{'yes' if one.inside else 'no'}, margin {margin}"
     answer += f" ({margin_in_words(one.name)})"
     if not one.admissible:
         answer = "no, it is not about this command"
     # Rounded down: not all ticks are inside unless all are.
     share = math.floor(1000.0 * one.share) / 10.0
-    text = f"Inside the proved set of {levels}: {answer} · {share:.1f} % of ticks so far"
+    kind = "walking set" if one.levels == str(WALKING_SET_LEVEL) else "set"
+    text = f"Inside the proved {kind} of {levels}: {answer} · {share:.1f} % of ticks so far"
     if one.share == 1.0 or not one.admissible:
         return text
     if one.away_s > 0.0:

@@ -13,7 +13,15 @@ from neuralgaits.viewer import bars, page_style
 from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.live_monitor import membership_lines
-from neuralgaits.viewer.page_style import QUIET, SAID, TIGHT, line, note
+from neuralgaits.viewer.page_style import (
+    QUIET,
+    SAID,
+    TIGHT,
+    line,
+    note,
+    reset_button,
+    status_block,
+)
 from neuralgaits.viewer.phase_chart import PhaseChart
 from neuralgaits.viewer.plant_sliders import HEARD, add_plant_sliders
 from neuralgaits.viewer.player import Picture, Player
@@ -22,7 +30,7 @@ from neuralgaits.viewer.time_controls import add_time_controls
 from neuralgaits.viewer.walk_status import walk_line
 from neuralgaits.viewer.walker import Walker, WalkFrame
 
-PUSH = Slider("impulse [N s]", 0.0, 40.0, 8.0, 1.0, "at the hip, for 0.1 s")
+PUSH = Slider("impulse [N\u00a0s]", 0.0, 40.0, 8.0, 1.0, "at the hip, for 0.1 s")
 """Impulse of a push [N s]."""
 Key = Literal["U", "J", "I", "K", "O", "L"]
 _STATUS_EVERY = 10
@@ -78,7 +86,8 @@ class Panel:
         gui.add_html(page_style.follow_scheme() + page_style.head())
         gui.add_markdown(title)
         self._verdict = gui.add_html(note("reading the certificate"))
-        self._status = gui.add_html(line("getting ready: compiling the controller", QUIET))
+        ready = line("getting ready: compiling the controller", QUIET)
+        self._status = gui.add_html(status_block(ready))
         self.chart = PhaseChart(gui)
         add_time_controls(gui, player, self._sliders, self.reset)
         # Each pair moves a slider up and down.
@@ -103,9 +112,11 @@ class Panel:
         if answer is not None:
             self.say(answer)
         if picture.margins is not None and self._conditions:
-            self._bars.content = bars.render(self._conditions, picture.margins, self._words)
+            self._bars.content = bars.render(
+                self._conditions, picture.margins, self._words, changed=picture.shown.changed
+            )
         if self._count % _STATUS_EVERY == 0 or answer is not None:
-            self._status.content = self.status(picture)
+            self._status.content = status_block(self.status(picture))
         self._answer_left = max(0, self._answer_left - 1)
         self._sliders.put_back()
 
@@ -163,6 +174,8 @@ class Panel:
             impulse, way = PUSH.clip(size.value), along.get(ways.value)
             if impulse is not None and way is not None:
                 self._player.ask(lambda walker: walker.push(impulse * np.array(way)))
+                if self._player.paused:
+                    self.say("The push comes with Go on.")
 
     def _add_commands(
         self,
@@ -245,12 +258,15 @@ class Panel:
         """Return the lines about the walk, as HTML."""
         shown: WalkFrame = picture.shown
         lines = walk_line(picture, shown, self._player.speed)
-        estimates = _speeds(shown) + lean_html(shown.lean)
+        if shown.fall is not None:
+            lines += reset_button()
+        # What answers the visitor comes first: the block may be too low for all lines.
+        if self._answer_left:
+            lines += line(self._answer, SAID)
         if shown.off_proof:
-            estimates += line(shown.off_proof, TIGHT)
-        estimates += membership_lines(shown.memberships, off_proof=bool(shown.off_proof))
-        answer = line(self._answer, SAID) if self._answer_left else ""
-        return lines + estimates + answer
+            lines += line(shown.off_proof, TIGHT)
+        lines += membership_lines(shown.memberships, off_proof=bool(shown.off_proof))
+        return lines + _speeds(shown) + lean_html(shown.lean)
 
     def _of_lap(self, picture: Picture) -> str | None:
         """Return a message when the robot has reached the end of the ground, once for each time."""

@@ -177,7 +177,7 @@ def _legend(portrait: Portrait) -> str:
     answers = portrait.boxes.answer
     for answer, colour, words in (
         (BoxAnswer.UNDECIDED, drawing.UNDECIDED, "undecided"),
-        (BoxAnswer.REFUTED, drawing.REFUTED, "below 0: violated"),
+        (BoxAnswer.REFUTED, drawing.REFUTED, "violated: margin below 0"),
     ):
         if np.any(answers == answer):
             swatch = f'<rect x="1" y="1" width="22" height="10" fill="{colour}"/>'

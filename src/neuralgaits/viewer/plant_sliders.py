@@ -32,7 +32,7 @@ def plant_sliders(friction: float, torque: float) -> dict[str, Slider]:
         "slope_deg": Slider("slope [deg]", -6.0, 6.0, 0.0, 0.5, tilt),
         "friction": Slider("friction", 0.05, max(1.2, friction), friction, 0.01, slide),
         "mass_scale": Slider("mass ×", 0.5, 2.0, 1.0, 0.01, heavy),
-        "torque_limit": Slider("torque limit [N m]", 0.1 * torque, torque, torque, 0.5, weak),
+        "torque_limit": Slider("torque limit [N\u00a0m]", 0.1 * torque, torque, torque, 0.5, weak),
         AHEAD: torso_slider("ahead"),
     }
 

@@ -1,5 +1,6 @@
 """Evidence for a run's gait, in the report's words, and whether its proof is about this gait."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from neuralgaits.analysis.run import Run
@@ -45,10 +46,14 @@ class Sureness(NamedTuple):
     """Robot and floor that the proof is about, in words; empty if nothing is proved."""
 
 
-def how_sure(run: Run) -> Sureness:
+def how_sure(run: Run, words: Mapping[str, str] | None = None) -> Sureness:
     """Read the certificate's answer, as far as the run's proof files support it.
 
     It does not bound the boxes again; `check-proof` does.
+
+    Args:
+        run: run that walks.
+        words: what its conditions state, by name, as the bars have it.
     """
     again = markdown.code(command("certify", named(run.path)))
     watched = "You watch a simulation: the robot may fall."
@@ -67,7 +72,7 @@ def how_sure(run: Run) -> Sureness:
             f"**There is no certificate of this gait**: {markdown.text(str(reading.reason))}. "
             f"{again} looks for a new one.",
         )
-    text = "\n\n".join(_lines(run, reading.summary, reading.part))
+    text = "\n\n".join(_lines(run, reading.summary, reading.part, words))
     verdict = f"{verdict_of(reading.summary, reading.part)} {watched}"
     monitor = _monitor(run, reading)
     if monitor is not None:
@@ -138,11 +143,16 @@ def _of_part(part: ProvedPart, count: int) -> str:
     return f"**Proved of some commands only: {where}.** There, {text}. Of others nothing is proved."
 
 
-def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list[str]:
+def _lines(
+    run: Run,
+    answer: CertificateRecord,
+    part: ProvedPart | None,
+    words: Mapping[str, str] | None,
+) -> list[str]:
     """Return the report's words, and how they relate to the simulation on the page."""
     level = answer.proved_level
     text = (
-        certificate_sentences.proved(answer, bool(run.config.commands))
+        certificate_sentences.proved(answer, bool(run.config.commands), words)
         if level
         else _not_proved(answer)
     )

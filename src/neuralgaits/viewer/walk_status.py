@@ -38,7 +38,7 @@ class WalkFacts(Protocol):
 
 def walk_line(picture: Picture, shown: WalkFacts, speed: float) -> str:
     """Return the line as HTML; `speed` is the playback speed that was asked for."""
-    facts = f"steps {shown.steps} · {shown.speed:.2f} m/s · {shown.walked:.1f} s"
+    facts = f"steps {shown.steps} · forward speed {shown.speed:.2f} m/s · {shown.walked:.1f} s"
     if shown.fall is not None:
         return line(ended(shown, picture.reset_in), BAD, strong=True)
     if picture.paused:

@@ -54,6 +54,8 @@ class WalkFrame(NamedTuple):
     off_proof: str = ""
     """How robot and floor differ from those that the proof is about, in words; empty if they do
     not, or if nothing is proved."""
+    changed: bool = False
+    """Whether robot or floor differ from those that margins are about."""
 
 
 class Margins(NamedTuple):

@@ -60,9 +60,14 @@ class LiveView(LivePage):
     def summary(self) -> dict[str, Any]:
         return super().summary | {"run": str(self._run.path), "terrain": self._terrain}
 
+    @property
+    def _words(self) -> dict[str, str]:
+        """Return what the run's conditions state, by name."""
+        return told_apart({one.name: one.data for one in self._run.config.conditions})
+
     def _build_panel(self) -> Panel:
         config = self._run.config
-        words = told_apart({one.name: one.data for one in config.conditions})
+        words = self._words
         return Panel(
             self._server,
             self.player,
@@ -86,7 +91,7 @@ class LiveView(LivePage):
         try:
             evaluate = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
             self.gait.look_with(evaluate)
-            sure = how_sure(run)
+            sure = how_sure(run, self._words)
             plane = portrait(run, evaluate, certified=sure.certified and sure.map_fits)
         except SpecError as error:
             why = f"no margins and no phase portrait: {error}"
