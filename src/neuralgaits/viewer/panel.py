@@ -265,8 +265,8 @@ class Panel:
             lines += line(self._answer, SAID)
         if shown.off_proof:
             lines += line(shown.off_proof, TIGHT)
-        lines += membership_lines(shown.memberships, off_proof=bool(shown.off_proof))
-        return lines + _speeds(shown) + lean_html(shown.lean)
+        lines += _speeds(shown) + lean_html(shown.lean)
+        return lines + membership_lines(shown.memberships, off_proof=bool(shown.off_proof))
 
     def _of_lap(self, picture: Picture) -> str | None:
         """Return a message when the robot has reached the end of the ground, once for each time."""

@@ -68,11 +68,13 @@ class LiveView(LivePage):
     def _build_panel(self) -> Panel:
         config = self._run.config
         words = self._words
+        told = ", ".join(command.name for command in self._run.trained.commands)
+        commands = f", commands: {markdown.text(told)}" if told else ""
         return Panel(
             self._server,
             self.player,
             title=f"**{markdown.text(config.robot)}**, spec {markdown.code(config.spec)}, "
-            f"seed {markdown.text(str(config.seed))}",
+            f"seed {markdown.text(str(config.seed))}{commands}",
             settings=self.gait.settings,
             conditions={one.name: words.get(one.name, "") for one in self._run.spec.conditions},
             restarted=self._stage.restart,
