@@ -12,6 +12,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib._pylab_helpers import Gcf
+from matplotlib.text import Text
 
 from neuralgaits import logs
 from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
@@ -75,6 +76,16 @@ def sketches(run):
 
 PURE = ("steps taken", "gradient steps", "loss", "steps walked")
 """Labels of counts and of the loss, whose unit of 1 says nothing."""
+
+
+def test_no_letter_is_lower_than_11_pixels_in_a_column_of_the_page(run, data):
+    """A column is 656 pixels wide on a window of 1440; 15 of them are the frame of the figure."""
+    figures_drawn = [figure for _, _, figure in sketches(run)]
+    figures_drawn += [full_order_set.draw(data, FULL), a_map()]
+    for figure in figures_drawn:
+        pixels = 641.0 / (72.0 * figure.get_figwidth())
+        words = [one for one in figure.findobj(Text) if one.get_visible() and one.get_text()]
+        assert min(one.get_fontsize() for one in words) * pixels >= 11.0
 
 
 def test_limits_are_black_and_leans_have_a_direction(data):

@@ -110,7 +110,7 @@ def test_a_figure_that_a_simulation_lacks_is_not_told(contents, shipped, gone):
     _written(shipped, "simulation/summary.json", SIMULATED | {"fell": [False]} | kept)
     page = contents()
     assert page.saved.damaged == {} and document(page)
-    assert ("at 0.62 m/s" in document(page)) == (gone == "step_time_s")
+    assert ("at 0.62\u00a0m/s" in document(page)) == (gone == "step_time_s")
 
 
 def test_walks_of_different_numbers_are_no_simulation(contents, shipped):

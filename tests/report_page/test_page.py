@@ -17,7 +17,7 @@ from neuralgaits.cli.argv_parser import verb_name
 from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.report.drawing.figure_files import MissingFigure
 from neuralgaits.report.page import phrases
-from neuralgaits.report.page.answer import answer
+from neuralgaits.report.page.answer import answer, glance
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.markup import Html, number, tag, text
@@ -42,6 +42,8 @@ SIMULATED = {
     "speed_m_s": 0.61,
     "step_time_s": 0.5,
 }
+
+ORBIT = {"multiplier": 0.7, "period_s": 0.5, "step_length_m": 0.35}
 
 
 class _Tags(HTMLParser):
@@ -345,8 +347,7 @@ def test_robots_that_were_drawn_are_said_to_be(contents, shipped):
     ("speed", "force", "other", "left"), [(0.61, 0.0, True, True), (0.68, 9.0, False, False)]
 )
 def test_walks_unlike_the_model_are_pointed_out(contents, shipped, speed, force, other, left):
-    orbit = {"multiplier": 0.7, "period_s": 0.5, "step_length_m": 0.35}
-    _simulated(shipped, poincare=orbit, speed_m_s=speed, min_normal_force_n=force)
+    _simulated(shipped, poincare=ORBIT, speed_m_s=speed, min_normal_force_n=force)
     said = simulations(contents(shipped).saved)
     assert ("orbit has 0.7 m/s" in said) is other
     assert ("it left the floor" in said) is left
@@ -515,3 +516,33 @@ def test_a_robot_that_moves_comes_first_and_without_one_the_answer_does(contents
     assert without.index('id="answer"') < without.index('id="walk"')
     for page in (with_walk, without):
         assert page.count('href="#walk"') == page.count(' id="walk"') == 1
+
+
+def test_the_result_stands_on_top_in_four_lines(contents, shipped):
+    def lines(page):
+        return re.findall("<li><b>(.*?)</b> (.*?)</li>", glance(page))
+
+    proved, simulated, sampled, rest = lines(contents())
+    assert proved == ("Proved", "level 3 of 5, about the model, according to the proof file")
+    assert simulated == ("Simulated", "nothing yet")
+    assert sampled == ("Sampled", "27 of 27 conditions held at every random state")
+    assert rest == ("Not shown", "how the real robot walks")
+    (shipped / "certificate/summary.json").unlink()
+    assert lines(contents(shipped))[0] == ("Proved", "nothing")
+    (shipped / "summary.json").unlink()
+    assert glance(contents(shipped)) == ""
+
+
+@pytest.mark.parametrize(
+    ("steps", "words"), [([50, 50, 3], "50 steps each"), ([50, 40, 3], "40 to 50 steps each")]
+)
+def test_walks_that_stayed_up_are_said_with_their_steps(contents, shipped, steps, words):
+    """Five walks of one step and five of fifty are not the same evidence."""
+    _simulated(shipped, steps_walked=steps, fell=[False, False, True], poincare=ORBIT)
+    page = contents(shipped)
+    assert f"2 of 3 walks stayed up, {words}, in MuJoCo, robot or floor changed" in glance(page)
+    for said in (answer(page), simulations(page.saved)):
+        assert f"2 of 3 walks stayed up to their last step, {words}" in said
+    # Numbers of the model's orbit are of no walk.
+    of_walks, _, of_orbit = simulations(page.saved).partition("For comparison, the ")
+    assert "multiplier" in of_orbit and "multiplier" not in of_walks

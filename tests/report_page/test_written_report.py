@@ -294,6 +294,18 @@ def test_a_chart_is_enlarged_on_a_telephone_and_made_smaller_again(opened):
     cut_and_said(True)
 
 
+@pytest.mark.parametrize("width", WIDTHS)
+def test_a_chart_of_another_size_stays_in_view(opened, width):
+    page = opened(width)
+    buttons = page.locator("figure .enlarge")
+    assert buttons.count() > 5
+    for button in buttons.all():
+        # Larger and smaller again, or the other way round.
+        for _ in range(2):
+            button.click()
+            assert 0.0 <= button.bounding_box()["y"] < 880.0
+
+
 @pytest.mark.parametrize(("scheme", "turned"), [("light", False), ("dark", True)])
 def test_charts_are_no_white_slabs_in_the_dark(opened, scheme, turned):
     page = opened(1440, color_scheme=scheme)

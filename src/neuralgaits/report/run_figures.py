@@ -154,10 +154,10 @@ class RunFigures:
         if certificate.reason is None and certificate.map_fits:
             caption = (
                 "Every box is a set of states on which all conditions that apply there were "
-                "bounded at once. Green boxes are proved, the stronger the further from a limit; "
-                "orange ones are open, red ones broken. A green box speaks of every state in it: "
-                "none lies between samples. The map is certify's own word: the proof file has its "
-                "boxes, and no picture of them."
+                "bounded at once. Green boxes are proved, the stronger the further from a limit, "
+                "on a square-root scale; orange ones are undecided, and in red ones a condition is "
+                "violated. A green box speaks of every state in it: none lies between samples. The "
+                "map is certify's own word: the proof file has its boxes, and no picture of them."
             )
             return caption, certificate_map.draw(BoxMap.read(path))
         if certificate.of_a_box or self.run.config.parameters:
@@ -178,7 +178,7 @@ class RunFigures:
             raise Absent("level 4 is about one gait, and this one takes commands", line)
         if certificate.full is not None:
             caption = (
-                "Real joints never follow exactly. Left: over the states of the tube, how large "
+                "Real joints never follow exactly. Left: over the states of the region, how large "
                 "their errors may be and the robot still provably walks on for ever, with motors "
                 "that do without delay what the controller asks: little near the edges and before "
                 "the foot lands. Right: the same along the step, against the errors that an impact "
@@ -254,7 +254,7 @@ class RunFigures:
         )
         if not (np.isfinite(repeated.z2).all() and np.isfinite(random.z2).all()):
             line = repeat_commands.longer(self.run.folder)
-            raise Absent("a walk from a fence of the tube does not come back: train longer", line)
+            raise Absent("a walk from a fence of the region does not come back: train longer", line)
         name, proved = commands[0].name, self.certificate.level >= ORBIT_LEVEL
         words = command_walks.caption(name, repeated, proved)
         return words, command_walks.draw(name, repeated, random)

@@ -26,7 +26,7 @@ from neuralgaits.report.drawing.style import (
 @styled
 def draw(data: GaitData) -> Figure:
     """Draw four sketches of a gait with a periodic orbit."""
-    figure = new_figure(7.6)
+    figure = new_figure(8.4)
     torso, foot, force, joints = figure.subplots(2, 2).flat
     _torso(torso, data)
     _foot(foot, data)
@@ -97,9 +97,9 @@ def _foot(axes: Axes, data: GaitData) -> None:
     axes.plot(0.0, 0.0, "o", color=BLACK, ms=7)
     style = {"textcoords": "offset points", "ha": "center", "va": "top", "fontsize": 9}
     axes.annotate("stance foot", (0.0, 0.0), (0, -9), **style)
-    axes.set_ylim(-0.16 * tall, 1.25 * tall)
+    axes.set_ylim(-0.16 * tall, 1.45 * tall)
     axes.set(xlabel="swing foot ahead of the stance foot [m]", ylabel="height [m]")
-    axes.legend(loc="upper left", ncols=3, fontsize=8.5, columnspacing=1.0, handlelength=1.6)
+    axes.legend(loc="upper left", ncols=2, fontsize=9, columnspacing=1.0, handlelength=1.6)
 
 
 def _force(axes: Axes, data: GaitData) -> None:
@@ -136,8 +136,8 @@ def _force(axes: Axes, data: GaitData) -> None:
         axes.annotate("", (along[row], normal[row]), (0.0, 0.0), zorder=2, arrowprops=arrow)
     axes.plot(along, normal, color=BLACK, linewidth=2.0, label="tip, over one step", zorder=3)
     axes.set(xlabel="horizontal force T [N]", ylabel="normal force N [N]")
-    axes.set_ylim(-0.03 * top, 1.62 * top)
-    axes.legend(loc="upper center", fontsize=8.5)
+    axes.set_ylim(-0.03 * top, 1.85 * top)
+    axes.legend(loc="upper center", fontsize=9)
 
 
 def _joints(axes: Axes, data: GaitData) -> None:
@@ -157,16 +157,16 @@ def _joints(axes: Axes, data: GaitData) -> None:
     text = f"on average {speed:.2f} m/s"
     if slowest is not None:
         text += f"\nasked for: ≥ {slowest:.2f} m/s"
-    at = hip + np.array([size, 0.03 * tall])
-    axes.text(at[0], at[1], text, fontsize=9, color=GREEN, va="bottom", ha="center")
+    at = hip + np.array([0.12 * tall, 0.03 * tall])
+    axes.text(at[0], at[1], text, fontsize=9, color=GREEN, va="bottom", ha="left")
     joints = len(data.joints)
     for knees in data.bounds("knee_bend"):
         for joint, side in zip(knees["joints"], knees["sides"], strict=True):
             _knee(axes, data, points, int(joint), float(side), joints, row)
         label = f"straight leg: knees stay {knees['least']:.2g} rad off"
         axes.plot([], [], "--", color=RED, linewidth=1.2, label=label)
-    _frame(axes, points, 1.45)
-    axes.legend(loc="upper center", fontsize=8.5)
+    _frame(axes, points, 1.6)
+    axes.legend(loc="upper center", fontsize=9)
 
 
 def _knee(

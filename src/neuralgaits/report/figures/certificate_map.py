@@ -46,7 +46,7 @@ def draw(boxes: BoxMap) -> Figure:
     axes.set_title("\n".join(textwrap.wrap(boxes.title, 90)), fontsize=10)
     label = "least proved margin of the box [scale of its condition]"
     figure.colorbar(proved, ax=axes, label=label)
-    axes.legend(handles=legend, loc="upper center", fontsize=8)
+    axes.legend(handles=legend, loc="upper center", fontsize=9)
     return figure
 
 

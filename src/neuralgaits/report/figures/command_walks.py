@@ -29,16 +29,16 @@ def caption(name: str, alternating: CommandWalks, proved: bool) -> str:
     words = command_words.words(name)
     first, second = (command_words.written(name, float(row[0])) for row in alternating.commands[:2])
     text = (
-        "Walks of the zero dynamics from both fences of the tube, computed from the model: nothing "
-        f"here is simulated. a) Told a {words.short} of {first} and {second} in turn, both come to "
-        "one walk that repeats itself after two steps. b) Its two steps. c) Told "
+        "Walks of the zero dynamics from both fences of the region, computed from the model: "
+        f"nothing here is simulated. a) Told a {words.short} of {first} and {second} in turn, both "
+        "come to one walk that repeats itself after two steps. b) Its two steps. c) Told "
         f"another random {words.short} at every touchdown, both come to one walk that does not "
         "repeat itself."
     )
     if proved:
         text += (
             " That any two walks under the same commands converge is proved (level 3). So commands "
-            "that repeat after p steps have exactly one walk in the tube that repeats after p "
+            "that repeat after p steps have exactly one walk in the region that repeats after p "
             "steps, and all others come to it."
         )
     return text

@@ -1,4 +1,4 @@
-"""Figure of a family of gaits: commands and walked speeds, tubes and orbits, postures."""
+"""Figure of a family of gaits: commands and walked speeds, regions and orbits, postures."""
 
 from itertools import zip_longest
 
@@ -34,8 +34,8 @@ def caption(family: Family) -> str:
         text += "; on the dashed line it would be exactly what was told"
     name = command_words.words(first.name).short
     text += (
-        f". b) The tubes, the states that the gait is made for, tinted, and one step of the orbit, "
-        f"at {name} {', '.join(values[:-1])} and {values[-1]}. c) The "
+        ". b) The regions, the states that the gait is made for, tinted, and one step of the "
+        f"orbit, at {name} {', '.join(values[:-1])} and {values[-1]}. c) The "
         "posture in which these steps end, over each other, with a mark at the next foothold."
     )
     if len(family.sweeps) > 1:
@@ -74,7 +74,7 @@ def draw(family: Family) -> Figure:
     for number, member in enumerate(family.members):
         _tube_and_orbit(plane, number, member)
     plane.set(xlabel="z1, hip ahead of the foot [m]", ylabel="z2, momentum [kg m²/s]")
-    panel(plane, "b", "tubes and orbits")
+    panel(plane, "b", "regions and orbits")
     _postures(postures, family)
     panel(postures, "c", "as the foot lands")
     figure.legend(handles=_legend(family), loc="outside lower center", ncols=3)
@@ -169,7 +169,7 @@ def _legend(family: Family) -> list:
         for number, member in enumerate(family.members)
     ]
     below: list = [
-        Patch(facecolor=GREY, alpha=0.25, label="tube, between its fences"),
+        Patch(facecolor=GREY, alpha=0.25, label="region, between its fences"),
         Line2D([], [], color=BLACK, marker=".", ms=5, linewidth=1.2, label="the orbits"),
     ]
     if any(sweep.name == "speed" for sweep in family.sweeps):

@@ -67,14 +67,14 @@ def draw(data: GaitData, full: FullOrderSet) -> Figure:
     sizes = [size for size in (0.5, 2.0, 5.0) if size < float(most.max())]
     if sizes:
         lines = left.contour(z[..., 0], z[..., 1], most, sizes, colors=BLACK, linewidths=1.0)
-        left.clabel(lines, fmt=lambda size: f"{size:g} mrad", fontsize=8)
+        left.clabel(lines, fmt=lambda size: f"{size:g} mrad", fontsize=9)
     plane.fences(left, data, color=BLUE, linewidth=2.0)
-    left.plot([], [], color=BLUE, linewidth=2.0, label="$C_Z$: edge of the tube, no error")
+    left.plot([], [], color=BLUE, linewidth=2.0, label="$C_Z$: edge of the region, no error")
     left.plot([], [], color=BLACK, linewidth=1.0, label="$C_σ$: its slices at these errors")
     plane.label(left)
     left.set_ylim(top=float(z[..., 1].max()) * 1.28)
-    left.legend(loc="upper center", fontsize=8.5)
-    panel(left, "a", "over the states of the tube")
+    left.legend(loc="upper center", fontsize=9)
+    panel(left, "a", "over the states of the region")
     _along(right, data, full, rooms, most)
     panel(right, "b", "along the step")
     return figure
@@ -97,7 +97,7 @@ def _along(
 ) -> None:
     phase, smallest = data["chart/phase"], 1e-3
     best = most.max(axis=0)
-    axes.fill_between(phase, smallest, best, color=ALLOWED, label="$C_σ$, mid-tube")
+    axes.fill_between(phase, smallest, best, color=ALLOWED, label="$C_σ$, middle of the region")
     for number, (name, room) in enumerate(rooms.items()):
         line: dict[str, Any] = series(number + 2) | {"linewidth": 1.1}
         axes.plot(phase, 1e3 * room.max(axis=0), label=name, **line)
@@ -114,4 +114,4 @@ def _along(
     top = max(float(np.max(list(rooms.values()))) * 1e3, float(best.max()))
     # Room for the names above the curves.
     axes.set_ylim(smallest, 400.0 * top)
-    axes.legend(fontsize=8.5, loc="upper center", ncols=2, handlelength=1.8)
+    axes.legend(fontsize=9, loc="upper center", ncols=2, handlelength=1.8)

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from neuralgaits._types import Float
 from neuralgaits.report.drawing import robot_drawing
-from neuralgaits.report.drawing.style import GREY, new_figure, styled
+from neuralgaits.report.drawing.style import GREY, WIDTH_IN, new_figure, styled
 
 
 @styled
@@ -26,7 +26,7 @@ def draw(
     low, high = float(poses[..., 0].min()), float(poses[..., 0].max())
     tall = float(poses[..., 1].max())
     pitch = 1.12 * (high - low)
-    figure = new_figure(0.9 + 7.4 * (1.22 * tall) / (tiles * pitch))
+    figure = new_figure(0.9 + (WIDTH_IN - 0.6) * (1.22 * tall) / (tiles * pitch))
     axes = figure.add_subplot()
     axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
     foot = poses[:, -1]
@@ -42,7 +42,7 @@ def draw(
         axes.text(
             shift + 0.5 * (low + high),
             -0.1 * tall,
-            f"{t[row] - t[0]:.2f} s\nfoot {heights[number]:.1f} cm up",
+            f"{t[row] - t[0]:.2f} s\n{heights[number]:.1f} cm",
             ha="center",
             va="top",
             fontsize=9,
@@ -53,7 +53,9 @@ def draw(
     axes.set_ylabel("height [m]")
     axes.set_yticks(np.arange(0.0, tall, 0.5))
     axes.set_xticks([])
-    axes.set_xlabel("time since the foot landed [s], pose by pose; lengths as on the height axis")
+    axes.set_xlabel(
+        "time since the foot landed [s], height of the swinging foot [cm], pose by pose"
+    )
     for side in ("bottom", "left"):
         axes.spines[side].set_visible(False)
     return figure

@@ -50,7 +50,7 @@ def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
         axes.grid(True, which="major", color="0.9")
     parts.set_ylabel(f"loss of the condition [1], lowest line: ≤ {FLOOR:g}")
     whole.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14))
-    parts.legend(loc="upper center", bbox_to_anchor=(0.45, -0.14), ncols=2, fontsize=8.5)
+    parts.legend(loc="upper center", bbox_to_anchor=(0.45, -0.14), ncols=2, fontsize=9)
     return figure
 
 

@@ -93,7 +93,7 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
     axes.barh(rows, cut, color=colours, height=0.62, hatch=hatches, edgecolor="white")
     for row, value in zip(rows, least[order], strict=True):
         if value > SHOWN:
-            axes.text(SHOWN, float(row), f" {value:.1f}", va="center", fontsize=8)
+            axes.text(SHOWN, float(row), f" {value:.1f}", va="center", fontsize=9)
     bounds = _bounds(least, data, proved)
     if bounds:
         at = [row for row, i in enumerate(order) if i in bounds]
@@ -104,10 +104,10 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
     _forbidden(axes.axvspan, axes.axvline)
     axes.set_xlim(min(-0.1, 1.2 * float(np.nanmin(least))), 1.12 * SHOWN)
     axes.set_ylim(-0.7, len(order) - 0.3)
-    axes.set_yticks(rows, [data.conditions[i] for i in order], fontsize=8.5)
+    axes.set_yticks(rows, [data.conditions[i] for i in order], fontsize=9)
     cut_off = "\na number is that of a bar cut off" if np.any(least > SHOWN) else ""
-    axes.set_xlabel(f"least margin [scale of the condition]{cut_off}")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.4, -0.115), ncols=2)
+    axes.set_xlabel(f"least margin\n[scale of the condition]{cut_off}")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.4, -0.14))
     panel(axes, "b", "over the whole region")
 
 

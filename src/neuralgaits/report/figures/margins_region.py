@@ -12,7 +12,7 @@ from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import BLACK, RED, new_figure, panel, styled
 
 CAPTION = (
-    "The tube, coloured by the margin of the condition that is nearest to its limit there (left: "
+    "The region, coloured by the margin of the condition that is nearest to its limit there (left: "
     "the nearer to the page's own colour, the smaller; the cross marks the smallest) and by which "
     "condition that is (right), as found on a grid of states."
 )
@@ -85,7 +85,7 @@ def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None
         handles.append(
             Patch(facecolor=fill, hatch=hatch, edgecolor="#555555", label=data.conditions[row])
         )
-    axes.legend(handles=handles, loc="upper center", ncols=2, fontsize=8.5, handlelength=1.6)
+    axes.legend(handles=handles, loc="upper center", ncols=2, fontsize=9, handlelength=1.6)
     low, high = float(z[..., 1].min()), float(z[..., 1].max())
     rows = (len(handles) + 1) // 2
     # Room above the tube for the names.

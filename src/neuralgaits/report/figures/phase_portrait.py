@@ -42,8 +42,8 @@ def caption(
         "and the dotted arrows take the state to the start of the next step. "
     )
     chart = data["chart/barriers"]
-    # Where barrier functions are negative on the tube, the walking set is the rest of it.
-    where = "the blue tube" if np.min(chart, initial=0.0) >= 0.0 else "the tube's safe part"
+    # Where barrier functions are negative on the region, the walking set is the rest of it.
+    where = "the blue region" if np.min(chart, initial=0.0) >= 0.0 else "the region's safe part"
     if level >= ORBIT_LEVEL:
         ends = (
             "any two of them come together" if with_commands else "every one settles on one orbit"
@@ -52,7 +52,7 @@ def caption(
     elif level == WALKING_SET_LEVEL:
         text += f"No such walk that begins in {where} leaves it: that is proved"
     else:
-        text += "The gait is made for the blue tube; that nothing leaves it is not proved"
+        text += "The gait is made for the blue region; that nothing leaves it is not proved"
     return text + (f". Dots were measured ({walk.source})." if walk else ".")
 
 
@@ -80,7 +80,7 @@ def _tube(axes: Axes, data: GaitData) -> Patch:
     axes.fill_between(z1, low, high, color=ALLOWED, zorder=1, linewidth=0)
     plane.fences(axes, data, color=BLUE, linewidth=2.2, zorder=2.5)
     return Patch(
-        facecolor=ALLOWED, edgecolor=BLUE, linewidth=2.0, label="tube T between its fences"
+        facecolor=ALLOWED, edgecolor=BLUE, linewidth=2.0, label="region T, between its fences"
     )
 
 

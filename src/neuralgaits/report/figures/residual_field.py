@@ -57,7 +57,7 @@ def draw(data: ResidualData) -> Figure:
     handles = [
         Line2D([], [], color=GREY, linewidth=0.8, marker=">", ms=3, label="flow of the model"),
         Line2D([], [], color=BLUE, linewidth=2.0, marker=">", ms=5, label="corrected flow"),
-        Line2D([], [], color=BLACK, linewidth=1.4, label="fences of the tube"),
+        Line2D([], [], color=BLACK, linewidth=1.4, label="fences of the region"),
     ]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3)
     panel(axes, "c", "flow before and after")

@@ -66,7 +66,7 @@ def caption(data: GaitData, proved: ProvedOrbit | None) -> str:
 @styled
 def draw(data: GaitData, proved: ProvedOrbit | None = None) -> Figure:
     """Draw the map with its fixed point, and how walks approach it."""
-    figure = new_figure(4.6)
+    figure = new_figure(5.0)
     left, right = figure.subplots(1, 2)
     _map(left, data, proved)
     _approach(right, data, proved)
@@ -92,22 +92,24 @@ def _map(axes: Axes, data: GaitData, proved: ProvedOrbit | None) -> None:
     label = f"fixed point, {numbers.z2:.2f} kg m²/s"
     axes.plot(numbers.z2, numbers.z2, "o", color=BLACK, ms=6, label=label, zorder=4)
     axes.set(xlabel="z2 with the hip over the foot [kg m²/s]", ylabel="z2 one step later [kg m²/s]")
-    axes.legend(loc="upper left", fontsize=8.5)
+    # Room above the curve for its names.
+    axes.set_ylim(top=float(np.max(after)) + 0.75 * float(np.ptp(after)))
+    axes.legend(loc="upper left", fontsize=9)
     panel(axes, "a", "from one step to the next")
     if proved is not None:
         low, high = proved.z2
         middle, room = 0.5 * (low + high), 3.0 * (high - low)
-        inset = axes.inset_axes((0.6, 0.17, 0.36, 0.25))
+        inset = axes.inset_axes((0.6, 0.15, 0.36, 0.2))
         inset.axvspan(1e3 * (low - middle), 1e3 * (high - middle), color="#cfe8dd")
         offset = 1e3 * (z2 - middle)
         inset.plot(offset, offset, "--", color=GREY, linewidth=1.0)
         inset.plot(1e3 * (numbers.z2 - middle), 1e3 * (numbers.z2 - middle), "o", color=BLACK, ms=5)
         inset.set_xlim(-1e3 * room / 2, 1e3 * room / 2)
         inset.set_ylim(-1e3 * room / 2, 1e3 * room / 2)
-        inset.set_xlabel(f"z2 − {middle:.4f} [10⁻³ kg m²/s]", fontsize=8)
+        inset.set_xlabel(f"z2 − {middle:.4f} [10⁻³ kg m²/s]", fontsize=9)
         inset.set_yticks([])
-        inset.tick_params(labelsize=8)
-        inset.set_title("proved: in the band", fontsize=8)
+        inset.tick_params(labelsize=9)
+        inset.set_title("proved: in the band", fontsize=9)
 
 
 def _approach(axes: Axes, data: GaitData, proved: ProvedOrbit | None) -> None:
@@ -129,7 +131,9 @@ def _approach(axes: Axes, data: GaitData, proved: ProvedOrbit | None) -> None:
         axes.plot(steps, slowest, color=BLUE, linewidth=2.0, label=label)
     axes.set(yscale="log", xlabel="steps taken", ylabel="distance from the orbit [kg m²/s]")
     axes.set_ylim(bottom=first * min(abs(numbers.multiplier), 0.9) ** (STEPS + 1))
-    axes.legend(fontsize=8.5)
+    low, high = axes.get_ylim()
+    axes.set_ylim(top=high * (high / low) ** 0.45)
+    axes.legend(loc="upper right", fontsize=9)
     panel(axes, "b", "walks come to the orbit")
 
 

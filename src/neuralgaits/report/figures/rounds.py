@@ -70,7 +70,7 @@ def _barriers(axes: Axes, rounds: Sequence[Round]) -> None:
     lowest = [min(entry.barriers.conditions.values(), default=0.0) for entry in rounds]
     # The second may lie on the first: dashes let it through.
     for label, style, colour, shares in (
-        ("inside the tube", "o-", BLUE, [entry.barriers.tube for entry in rounds]),
+        ("inside the region", "o-", BLUE, [entry.barriers.tube for entry in rounds]),
         ("and all conditions", "s--", GREEN, [entry.barriers.all for entry in rounds]),
         ("the worst condition", "^:", ORANGE, lowest),
     ):

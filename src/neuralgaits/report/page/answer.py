@@ -1,7 +1,8 @@
-"""The first paragraphs of the page: how the robot walks, why it stays up, what is proved."""
+"""The top of the page: the result in four lines, then how it walks, why, and what is proved."""
 
 from neuralgaits._printable import counted
 from neuralgaits.records import certificate_sentences
+from neuralgaits.records.level_words import HIGHEST
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import phrases
@@ -21,6 +22,61 @@ def answer(contents: Contents) -> Section:
     if saved.proved_level:
         parts.append(_part("What is not covered.", _left_open(saved)))
     return Section.of("answer", "The answer", tag("div", *parts, class_="answer", id="answer"))
+
+
+def glance(contents: Contents) -> Html:
+    """Return what is proved, simulated, sampled and not shown, a line each; empty without a gait.
+
+    The paragraphs of `answer` say the same with its conditions.
+    """
+    saved = contents.saved
+    if saved.summary is None or saved.nan is not None:
+        return Html("")
+    entries = (
+        ("Proved", _proved_in_short(saved)),
+        ("Simulated", _simulated_in_short(saved, contents.walk)),
+        ("Sampled", _sampled_in_short(saved)),
+        ("Not shown", "how the real robot walks"),
+    )
+    lines = [tag("li", tag("b", head), " ", words) for head, words in entries]
+    return tag("ul", *lines, class_="glance", aria_label="The result in short")
+
+
+def _proved_in_short(saved: RunContents) -> str:
+    if saved.of_some is not None:
+        return "of some commands only: see the certificate"
+    if saved.certificate is None:
+        return "nothing"
+    if not saved.proved_level:
+        return f"no level: {saved.certificate.verdict} at level {saved.certificate.level}"
+    robots = ", for a box of robots" if saved.certificate.robots else ""
+    level = f"level {saved.proved_level} of {HIGHEST}{robots}"
+    return f"{level}, about the model, according to the proof file"
+
+
+def _simulated_in_short(saved: RunContents, walk: ShownWalk | None) -> str:
+    simulation, walks = saved.simulation, saved.walks
+    if simulation is not None:
+        changed = bool(_place_of_walk(simulation)) or simulation.plant_given
+        where = f", in {simulation.stepped_by}" + (", robot or floor changed" if changed else "")
+        count = len(simulation.fell)
+        stayed = f"{simulation.stayed} of {counted(count, 'walk')} stayed up"
+        return f"{stayed}{phrases.steps_each(simulation)}{where}"
+    if walks is not None and walks.steps_walked and walks.share_that_walks is not None:
+        count = len(walks.steps_walked)
+        stayed = round(walks.share_that_walks * count)
+        return f"{stayed} of {counted(count, 'walk')} stayed up, on the robot of its episodes"
+    if walk is None:
+        return "nothing yet"
+    ending = "fell after" if walk.fell else "stayed up for"
+    return f"one walk in MuJoCo, which {ending} {counted(walk.steps_walked, 'step')}"
+
+
+def _sampled_in_short(saved: RunContents) -> str:
+    if saved.summary is None or not saved.measured:
+        return "no measurement of these weights is recorded"
+    count, broken = len(saved.measured), len(saved.summary.broken)
+    return f"{count - broken} of {count} conditions held at every random state"
 
 
 def _heading(contents: Contents) -> str:
@@ -107,13 +163,16 @@ def _counts(simulation: SimulationSummary) -> str:
             f"it fell after {fallen}" if simulation.fell[0] else f"it walked {_all_steps(steps[0])}"
         )
     else:
-        sentence = f"{simulation.stayed} of {count} walks stayed up to their last step"
+        sentence = (
+            f"{simulation.stayed} of {count} walks stayed up to their last step"
+            f"{phrases.steps_each(simulation)}"
+        )
         reasons = sorted({reason for reason in simulation.fall_reasons if reason})
         sentence += f" (falls: {', '.join(reasons)})" if reasons else ""
     if simulation.speed_m_s is not None:
-        sentence += f", at {number(simulation.speed_m_s, 2)} m/s"
+        sentence += f", at {number(simulation.speed_m_s, 2)}\u00a0m/s"
         time = simulation.step_time_s
-        sentence += "" if time is None else f" with a step every {number(time, 2)} s"
+        sentence += "" if time is None else f" with a step every {number(time, 2)}\u00a0s"
     return sentence
 
 
@@ -166,7 +225,8 @@ def _how_sure(saved: RunContents) -> str:
     if level == 0:
         sentence = certificate_sentences.not_proved(certificate)
         return f"Not proved. {sentence} {_sampled(saved)} Samples are no proof."
-    proved = certificate_sentences.proved(certificate, bool(saved.config.commands))
+    words = phrases.told_apart({one.name: one.data for one in saved.config.conditions})
+    proved = certificate_sentences.proved(certificate, bool(saved.config.commands), words)
     return f"{proved}{_borne(saved)} {certificate_sentences.AS_STATED}"
 
 

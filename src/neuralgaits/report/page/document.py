@@ -1,7 +1,7 @@
 """The whole page: its parts in the order that a newcomer needs, in one self-contained file."""
 
 from neuralgaits.report.drawing.figure_files import FigureFiles
-from neuralgaits.report.page.answer import answer, headline, title
+from neuralgaits.report.page.answer import answer, glance, headline, title
 from neuralgaits.report.page.closing import failures, figures, glossary, missing, reproduction
 from neuralgaits.report.page.command_family import family
 from neuralgaits.report.page.html_shell import inline_image, whole
@@ -41,7 +41,7 @@ def document(contents: Contents) -> str:
         if isinstance(part, Section)
     ]
     contained = tag("nav", tag("ul", *links), aria_label="Contents")
-    header = tag("header", title(contents.saved))
+    header = tag("header", title(contents.saved), glance(contents))
     name = headline(contents.saved)
     main = tag("main", *first, contained, *parts)
     return whole(name, header, main, "the files of the run", ("hints.js", "scene.js", "player.js"))
@@ -50,6 +50,6 @@ def document(contents: Contents) -> str:
 def _picture(figure: FigureFiles) -> Html:
     kind, content = "svg+xml", figure.path_svg.read_bytes()
     # Of a drawing so large, the smaller of its files.
-    if len(content) > 300_000 and figure.path_png.stat().st_size < len(content):
+    if len(content) > 400_000 and figure.path_png.stat().st_size < len(content):
         kind, content = "png", figure.path_png.read_bytes()
     return inline_image(kind, content, figure.title)

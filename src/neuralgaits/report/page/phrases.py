@@ -4,8 +4,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from neuralgaits._printable import counted
 from neuralgaits.barriers.quantity_words import QUANTITIES, QuantityWords
-from neuralgaits.records.simulated import disturbances
+from neuralgaits.records.simulated import SimulationSummary, disturbances
 from neuralgaits.report.page.markup import Html, join, number, tag
 
 _CHANGES = {
@@ -258,6 +259,20 @@ def _unit(described: Mapping[str, Any]) -> str:
         order = len(alpha) if isinstance(alpha, list) else 1
         return f"{unit} per second" + ("" if order == 1 else " squared")
     return unit
+
+
+def steps_each(simulation: SimulationSummary) -> str:
+    """Return how many steps the walks took that stayed up, after a comma; empty if none did."""
+    pairs = zip(simulation.steps_walked, simulation.fell, strict=True)
+    steps = sorted({count for count, fell in pairs if not fell})
+    if not steps:
+        return ""
+    each = (
+        f", {counted(steps[0], 'step')}"
+        if len(steps) == 1
+        else f", {steps[0]} to {steps[-1]} steps"
+    )
+    return f"{each} each" if simulation.stayed > 1 else each
 
 
 def changes(values: Mapping[str, Any] | None) -> list[str]:

@@ -162,11 +162,6 @@ def simulations(saved: RunContents) -> Html:
     rows = [
         (words, f"{html.number(value)} {unit}".rstrip()) for words, value, unit in simulation.shown
     ]
-    orbit = simulation.poincare
-    if orbit is not None and orbit.multiplier is not None:
-        number = f"{html.number(orbit.multiplier)}, computed in float64; not the proved enclosure"
-        rows.append(("multiplier of the model's orbit", number))
-        rows.append(("length of a step on that orbit", f"{html.number(orbit.step_length_m)} m"))
     notes = (
         []
         if simulation.drawn_from is None
@@ -185,17 +180,32 @@ def simulations(saved: RunContents) -> Html:
         html.paragraph(
             f"The whole robot in {simulation.stepped_by}, controller {simulation.law_in_words}: "
             f"{simulation.stayed} of "
-            f"{len(simulation.fell)} walks stayed up to their last step. Started from "
+            f"{len(simulation.fell)} walks stayed up to their last step"
+            f"{phrases.steps_each(simulation)}. Started from "
             f"{simulation.start}, "
             f"plant {simulation.plant}, changed: {changed}{push}{ground}, seed {simulation.seed}. "
             "Simulations are samples: they show what happened, not what must happen."
         ),
         _walks(simulation),
         html.facts("Means and extremes over these walks", rows),
+        _orbit(simulation),
         *map(html.paragraph, _remarks(simulation)),
         adapted(simulation),
         monitored(saved, simulation),
     )
+
+
+def _orbit(simulation: SimulationSummary) -> Html:
+    """Return the numbers of the model's orbit, which are of no walk; nothing without an orbit."""
+    orbit = simulation.poincare
+    if orbit is None or orbit.multiplier is None:
+        return Html("")
+    rows = [
+        ("multiplier", html.number(orbit.multiplier)),
+        ("length of a step", f"{html.number(orbit.step_length_m)} m"),
+    ]
+    about = "For comparison, the model's periodic orbit: computed in float64, not proved"
+    return html.facts(about, rows)
 
 
 def _remarks(simulation: SimulationSummary) -> list[str]:

@@ -25,8 +25,13 @@ function addEnlarge(figure) {
     button.setAttribute("aria-label", `${button.textContent}: ${box.getAttribute("aria-label")}`);
   };
   button.type = "button"; button.className = "enlarge";
-  button.addEventListener("click", turn);
-  figure.querySelector("figcaption").prepend(button);
+  button.addEventListener("click", () => {
+    turn();
+    // A figure of another size has another place on the page. Its button is at its top.
+    const fits = figure.offsetHeight < window.innerHeight;
+    figure.scrollIntoView({ block: fits ? "nearest" : "start" });
+  });
+  figure.prepend(button);
   turn();
   // On a narrow screen its words are too small otherwise.
   if (!narrow.matches) turn();
