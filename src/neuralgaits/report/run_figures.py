@@ -155,9 +155,10 @@ class RunFigures:
             caption = (
                 "Every box is a set of states on which all conditions that apply there were "
                 "bounded at once. Green boxes are proved, the stronger the further from a limit, "
-                "on a square-root scale; orange ones are undecided, and in red ones a condition is "
-                "violated. A green box speaks of every state in it: none lies between samples. The "
-                "map is certify's own word: the proof file has its boxes, and no picture of them."
+                "on a square-root scale; orange ones are undecided, and in cross-hatched ones a "
+                "condition is violated. A green box speaks of every state in it: none lies between "
+                "samples. The map is certify's own word: the proof file has its boxes, and no "
+                "picture of them."
             )
             return caption, certificate_map.draw(BoxMap.read(path))
         if certificate.of_a_box or self.run.config.parameters:
