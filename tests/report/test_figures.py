@@ -85,7 +85,7 @@ def test_no_letter_is_lower_than_11_pixels_in_a_column_of_the_page(run, data):
     for figure in figures_drawn:
         pixels = 641.0 / (72.0 * figure.get_figwidth())
         words = [one for one in figure.findobj(Text) if one.get_visible() and one.get_text()]
-        assert min(one.get_fontsize() for one in words) * pixels >= 11.0
+        assert min(float(one.get_fontsize()) for one in words) * pixels >= 11.0
 
 
 def test_limits_are_black_and_leans_have_a_direction(data):
