@@ -4,6 +4,7 @@ At most six lines each, long ones wrapped. `-v` prints the rest above them, `--j
 `hint` a line says so.
 """
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -22,13 +23,16 @@ from neuralgaits.records.level_words import FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary
-from neuralgaits.runs import RunFolder
+from neuralgaits.runs import RunFolder, packed, resolve
 from neuralgaits.runs.names import CONFIG
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import CertifySettings
 from neuralgaits.settings.options import words_of
 
 _MORE = "-v prints more"
+_HASH = re.compile(r"\b([0-9a-f]{12})[0-9a-f]{52}\b")
+"""A sha256, of which a line shows the first digits."""
+_FIRST_DIGITS = r"\1..."
 
 
 def _hinted(text: str, hint: bool, joint: str = "; ") -> str:
@@ -214,8 +218,7 @@ def _arithmetic(result: ProofCheck) -> str:
 
 def brief_check(result: ProofCheck, *, hint: bool = True) -> None:
     """Print the verdict on a proof file, what it is about, and that it rests on assumptions."""
-    reason = f": {result.reason}" if result.reason else ""
-    show_sentence(verdict(result.verdict), reason)
+    show_sentence(verdict(result.verdict), _why_no_better(result, hint))
     levels = (f"level {one.level} {one.verdict}" for one in result.levels)
     above = "".join(f", {level}" for level in levels)
     unclaimed = f"; none of {_list(result.unclaimed)}" if result.unclaimed else ""
@@ -232,6 +235,24 @@ def brief_check(result: ProofCheck, *, hint: bool = True) -> None:
     show_facts(facts)
 
 
+def _why_no_better(result: ProofCheck, hint: bool) -> str:
+    """Return the first reason for a verdict on a proof file, and how many there are."""
+    if not result.reason:
+        return ""
+    if result.verdict != "rejected":
+        return f": {result.reason}"
+    first, *others = result.reason.split("; ")
+    # The whole hashes of a file are for programs, in --json; -v has them, too.
+    line = f": {_HASH.sub(_FIRST_DIGITS, first)}"
+    if not others:
+        return line
+    return f"{line}; {counted(len(others), 'more reason')}, {_where(hint)}"
+
+
+def _where(hint: bool) -> str:
+    return "-v prints all" if hint else "listed above"
+
+
 def _assumed(count: int, hint: bool) -> str:
     things = counted(count, "thing")
     return f"{things}; -v prints them and every statement" if hint else f"{things}, listed above"
@@ -244,13 +265,27 @@ def _after_check(result: ProofCheck) -> str:
         run = named(own) if (own / CONFIG).is_file() else "RUN"
         return command("check-proof", named(result.proof), "--run", run)
     if result.verdict != "proved":
-        return command("certify", named(result.run))
+        return _after_refusal(result, result.run)
     from neuralgaits.systems.family_tasks import family_of_run
 
     if family_of_run(result.run) is not None:
         # Not every family has an export.
         return command("report", named(result.run))
     return command("export", named(result.run), "--out", "build/c")
+
+
+def _after_refusal(result: ProofCheck, run: str) -> str:
+    """Return the command for a proof that does not prove its run: check the run's own, or make it.
+
+    A run whose own proof was refused is proved again.
+    """
+    try:
+        own = resolve(run).path / PROOF
+    except RunError:
+        return command("certify", named(run))
+    if packed.is_there(own) and own.resolve() != Path(result.proof).resolve():
+        return command("check-proof", named(run), "--run", named(run))
+    return command("certify", named(run))
 
 
 def brief_fit(result: FitSummary, *, hint: bool = True) -> None:
