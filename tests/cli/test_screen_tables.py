@@ -592,6 +592,6 @@ def test_each_number_of_boxes_says_which_it_is(capsys: Captured, monkeypatch: En
     proof = SHIPPED / "certificate" / "proof.json"
     brief.brief_proof(CertificateRecord.of(PROOF | {"proof": str(proof)}))
     count = boxes_of_proof(proof)
-    assert f"15703 bounded in the search, {count} in the proof file" in capsys.readouterr().out
+    assert f"{count} in the proof file (15703 bounded in the search)" in capsys.readouterr().out
     brief.brief_check(ProofCheck.of(CHECK))
     assert "4402 bounded in the check" in capsys.readouterr().out
