@@ -154,7 +154,7 @@ REFUSED = {
     "no torque limit": (
         '<motor ctrlrange="-41 41"/>',
         "",
-        "motor knee_left has no torque limit: add forcerange",
+        "motor knee_left has no torque limit: add forcerange.*or ctrlrange for all",
     ),
     "lopsided torque limit": (
         '<motor ctrlrange="-41 41"/>',
