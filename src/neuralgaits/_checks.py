@@ -72,10 +72,10 @@ def check_seeds(seeds: tuple[int, int]) -> None:
 def check_steps(steps: int | None) -> None:
     """Check a number of gradient steps; None leaves it open. Raises: InputError if it is wrong."""
     if steps is not None and steps < 1:
-        raise InputError(f"expected at least 1 gradient step, found {shown(steps)}")
+        raise InputError(f"--steps: expected a whole number of at least 1, found {shown(steps)}")
     if steps is not None and steps > MOST_GRADIENT_STEPS:
         raise InputError(
-            f"expected at most {MOST_GRADIENT_STEPS} gradient steps, found {shown(steps)}"
+            f"--steps: expected at most {MOST_GRADIENT_STEPS} gradient steps, found {shown(steps)}"
         )
 
 

@@ -77,7 +77,8 @@ def test_names_of_statements_are_those_of_the_run(certified, tmp_path):
     for part in ("robot", "spec"):
         forged.write_text(json.dumps(table | {part: table[part] | {"name": "other"}}))
         found = check_proof(forged, run=run)
-        assert found["verdict"] == "rejected" and f"{part}: the run has" in found["reason"]
+        assert found["verdict"] == "rejected"
+        assert f"the proof is about {part} 'other', the run about '" in found["reason"]
         assert found["boxes"] == 0
     for statement in table["statements"]:
         if statement["region"] == "walking set":

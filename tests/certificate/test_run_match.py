@@ -30,7 +30,7 @@ def test_a_proof_of_the_run_has_no_differences(tmp_path, proof, run):
 def test_the_name_that_differs_is_told(tmp_path, mutated, run, what):
     mutated[what]["name"] = "another"
     (line,) = differences(read_claims(write(tmp_path, mutated)), run)
-    assert line.startswith(f"{what}: the run has") and line.endswith("the proof 'another'")
+    assert line.startswith(f"the proof is about {what} 'another', the run about '")
 
 
 @pytest.mark.parametrize(

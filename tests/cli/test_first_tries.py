@@ -180,7 +180,7 @@ def test_late_answers_are_a_share_and_say_whether_they_matter(capsys, mode, word
     link = {"law": "pd", "mode": mode, "ticks": 20_000, "deadline_misses": 892, "faults": [0]}
     screen.show_walks(SimulationSummary.of(WALKED | {"link": link}))
     out = " ".join(capsys.readouterr().out.split())
-    assert "892 ticks (4.5%) kept the command of the tick before" in out and words in out
+    assert "892 ticks (4.5 %) kept the command of the tick before" in out and words in out
 
 
 def test_somebody_else_s_controller_has_its_address(capsys):

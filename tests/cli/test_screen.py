@@ -7,10 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.cli import brief, robot_screen, screen
+from neuralgaits.cli import brief, robot_screen, screen, sweep_verb
 from neuralgaits.cli.usage import condense
 from neuralgaits.records.installed import BuiltIn, CatalogueEntry
+from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.swept import SweepSummary
 from neuralgaits.records.trained import TrainingSummary, Violations
 from neuralgaits.records.training_config import Range
 from support.shipped_run import SHIPPED
@@ -35,7 +37,7 @@ def test_a_fall_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
     assert "multiplier" not in out  # None: nothing to show.
 
 
-@pytest.mark.parametrize(("share", "told"), [(0.723, "72% of ticks"), (0.003, None)])
+@pytest.mark.parametrize(("share", "told"), [(0.723, "72 % of ticks"), (0.003, None)])
 def test_torque_that_is_short_is_said(capsys: pytest.CaptureFixture[str], share, told) -> None:
     result = ASKED | {"steps_walked": [50], "fell": [False], "fall_reasons": [None]}
     result |= {"saturated_fraction": share, "poincare": None}
@@ -52,7 +54,7 @@ def test_what_a_quadratic_program_gave_up_is_said(capsys: pytest.CaptureFixture[
     assert shown.relaxed is not None and shown.relaxed.contact == 0.5
     screen.show_walks(shown)
     out = " ".join(capsys.readouterr().out.split())
-    assert "slower than commanded at 1.23% of ticks" in out and "does not give at 50.00%" in out
+    assert "slower than commanded at 1.23 % of ticks" in out and "does not give at 50.00 %" in out
 
 
 def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -78,6 +80,93 @@ def test_what_a_walk_met_is_on_its_first_line(capsys: pytest.CaptureFixture[str]
     brief.brief_walks(SimulationSummary.of(walks | met))
     (first, *_) = " ".join(capsys.readouterr().out.split()).split("speed")
     assert "under pd in MuJoCo, plant rabbit, push 10 N s, mass_scale=1.2" in first
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"command": {"speed": 0.8}}, "under pd in MuJoCo, speed=0.8"),
+        ({"command": {"slope": 0.05}}, "under pd in MuJoCo, slope=2.86"),
+        ({"commands": "walk.csv"}, "under pd in MuJoCo, commands walk.csv"),
+        ({}, "under pd in MuJoCo"),
+    ],
+)
+def test_the_first_line_says_what_was_commanded(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, settings, said
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    walks = ASKED | {"steps_walked": [50], "fell": [False], "fall_reasons": [None]}
+    brief.brief_walks(SimulationSummary.of(walks | {"episodes": 1} | settings))
+    first, *_ = capsys.readouterr().out.splitlines()
+    assert said in first and (settings or first.endswith(said))
+
+
+def test_a_missed_command_has_a_unit_and_says_of_what(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "400")
+    errors = {
+        "speed": {"mean": 0.01682, "worst": 0.02},
+        "step_height": {"mean": 0.003, "worst": 0.004},
+    }
+    walks = ASKED | {"steps_walked": [50], "fell": [False], "fall_reasons": [None]}
+    walks |= {"episodes": 1, "speed_m_s": 0.78318, "command_error": errors}
+    brief.brief_walks(SimulationSummary.of(walks | {"command": {"speed": 0.8}}))
+    told = capsys.readouterr().out
+    assert "numbers  speed 0.7832 m/s where 0.8 was commanded, step_height off" in told
+    assert "step_height off its command by 0.003 m on average" in told
+    brief.brief_walks(SimulationSummary.of(walks | {"commands": "random"}))
+    told = capsys.readouterr().out
+    assert "speed 0.7832 m/s, speed off its command by 0.01682 m/s on average" in told
+
+
+@pytest.mark.parametrize(
+    ("fell", "said"), [([True], "after the push"), ([True, False], "1 of 2 walks after the push")]
+)
+def test_falls_after_a_push_are_counted_among_walks(
+    capsys: pytest.CaptureFixture[str], fell, said
+) -> None:
+    steps = [7 if one else 50 for one in fell]
+    walks = ASKED | {"steps_walked": steps, "fell": fell, "push": 60.0, "steps": 50}
+    walks |= {"fall_reasons": ["torso tipped over" if one else None for one in fell]}
+    brief.brief_walks(SimulationSummary.of(walks | {"episodes": len(fell)}))
+    out = " ".join(capsys.readouterr().out.split())
+    assert f"fell torso tipped over, {said} of 60 N s" in out
+
+
+@pytest.mark.parametrize(
+    ("engine", "workers", "said"), [("processes", 2, "2 processes"), ("ray", 3, "3 (ray)")]
+)
+def test_a_sweep_counts_its_workers(capsys: pytest.CaptureFixture[str], engine, workers, said):
+    table = {"sweep": "a", "rows": 2, "failed": 0, "lost": 0, "before": 0, "table": "a/table.csv"}
+    table |= {"page": "a/page.html", "engine": engine, "workers": workers, "wall_s": 3.0}
+    sweep_verb.show_sweep(SweepSummary.of(table))
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "done: 2 of 2 rows"
+    assert lines[1].split(maxsplit=1) == ["workers", said]
+
+
+@pytest.mark.parametrize(
+    ("damaged", "said"),
+    [
+        ({"a.json": "a.json is damaged: mend it"}, "a.json is damaged: mend it"),
+        ({"a.json": "expected a table: mend it"}, "a.json: expected a table: mend it"),
+        ({"a.json": "no", "b.json": "no"}, "a.json, b.json; -v prints more"),
+    ],
+)
+def test_the_reason_of_one_damaged_file_is_on_the_short_screen(
+    capsys: pytest.CaptureFixture[str], damaged, said
+) -> None:
+    table = {"run": "runs/a", "report": "a.html", "bytes": 9, "figures": [], "missing": []}
+    brief.brief_report(ReportRecord.of(table | {"damaged": damaged}))
+    (line,) = [one for one in capsys.readouterr().out.splitlines() if one.startswith("damaged")]
+    assert line.split(maxsplit=1)[1] == said
+
+
+def test_tables_that_follow_each_other_are_apart(capsys: pytest.CaptureFixture[str]) -> None:
+    entry = CatalogueEntry(name="a", about="b")
+    robot_screen.show_names(BuiltIn(robots=(entry,), specs=(entry,)))
+    assert capsys.readouterr().out.splitlines()[2].strip() == ""
 
 
 def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,8 @@
 """No word is broken and no line too long, whatever the width; long tables end in a sentence."""
 
+import shutil
 from functools import partial
+from pathlib import Path
 
 import pytest
 from rich.text import Text
@@ -370,6 +372,47 @@ def test_a_checked_proof_is_used_and_another_looked_for(
     assert capsys.readouterr().out.endswith(f"neuralgaits {ending}\n")
 
 
+REASONS = (
+    "the proof is about robot 'amber3m', the run about 'heron'",
+    f"robot.xml: the run has sha256 {'0f' * 32}, the proof {'1e' * 32}",
+    "policy.network.weights[2]: the Program's numbers are not those of policy.safetensors",
+)
+
+
+def test_a_proof_of_another_run_is_refused_in_one_line(
+    capsys: Captured, monkeypatch: Environment
+) -> None:
+    """The first reason, names before hashes; -v lists all of them, and so does --json."""
+    monkeypatch.setenv("COLUMNS", "2000")
+    table = CHECK | {"run": "runs/a", "verdict": "rejected", "boxes": 0}
+    result = ProofCheck.of(table | {"reason": "; ".join(REASONS)})
+    brief.brief_check(result)
+    first, *_ = capsys.readouterr().out.splitlines()
+    assert first == f"rejected: {REASONS[0]}; 2 more reasons, -v prints all"
+    proof_screen.show_check(result)
+    assert capsys.readouterr().out.splitlines()[1:4] == [f"  {reason}" for reason in REASONS]
+    brief.brief_check(ProofCheck.of(table | {"reason": REASONS[1]}))
+    first, *_ = capsys.readouterr().out.splitlines()
+    assert first == (
+        "rejected: robot.xml: the run has sha256 0f0f0f0f0f0f..., the proof 1e1e1e1e1e1e..."
+    )
+
+
+def test_after_a_proof_of_another_run_the_runs_own_is_checked(
+    tmp_path: Path, capsys: Captured, monkeypatch: Environment
+) -> None:
+    """If it has one; a run whose own proof was refused is proved again."""
+    monkeypatch.setenv("COLUMNS", "2000")
+    run = shutil.copytree(SHIPPED, tmp_path / "run")
+    table = CHECK | {"run": str(run), "verdict": "rejected", "reason": REASONS[0]}
+    for proof, ending in (
+        (PATH, f"check-proof {run} --run {run}"),
+        (str(run / "certificate" / "proof.json"), f"certify {run}"),
+    ):
+        brief.brief_check(ProofCheck.of(table | {"proof": proof}))
+        assert capsys.readouterr().out.endswith(f"neuralgaits {ending}\n")
+
+
 @pytest.mark.parametrize("name", ["proof", "check", "training", "fit", "report"])
 def test_verbose_adds_to_the_short_screen(
     name: str, capsys: Captured, monkeypatch: Environment
@@ -549,6 +592,6 @@ def test_each_number_of_boxes_says_which_it_is(capsys: Captured, monkeypatch: En
     proof = SHIPPED / "certificate" / "proof.json"
     brief.brief_proof(CertificateRecord.of(PROOF | {"proof": str(proof)}))
     count = boxes_of_proof(proof)
-    assert f"15703 bounded in the search, {count} in the proof file" in capsys.readouterr().out
+    assert f"{count} in the proof file (15703 bounded in the search)" in capsys.readouterr().out
     brief.brief_check(ProofCheck.of(CHECK))
     assert "4402 bounded in the check" in capsys.readouterr().out

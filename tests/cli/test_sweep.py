@@ -29,7 +29,7 @@ def test_a_line_a_row_and_the_page_at_the_end(capsys: pytest.CaptureFixture[str]
     assert begun == "2 rows in s, 1 at once"
     assert first.startswith("1/2 amber3m-walking-0: trained, proved to level 2, 4 of 4 walk at 0.7")
     assert second.startswith("2/2 amber3m-walking-1: 1 of 5 conditions broken, proved to level 2")
-    assert "done: 2 of 2 runs" in said.out
+    assert "done: 2 of 2 rows" in said.out
     assert said.out.splitlines()[-1].split() == ["page", "s/sweep.html"]
 
 

@@ -133,6 +133,19 @@ def test_a_proof_of_other_weights_is_not_shown(contents, shipped):
     assert "Proved" not in answer(page)
 
 
+def test_a_damaged_proof_is_named_and_not_its_summary(contents, shipped):
+    """It is made already: the command that makes it again stands with the reason."""
+    proof = shipped / "certificate/proof.json"
+    proof.write_bytes(proof.read_bytes()[:20_000])
+    page = contents(shipped)
+    (reason,) = page.saved.damaged.values()
+    assert list(page.saved.damaged) == ["certificate/proof.json"]
+    assert reason.startswith("certificate/proof.json is damaged, or not the file that certificate/")
+    assert reason.endswith(f"prove it again with `neuralgaits certify {shipped}`")
+    assert "a certificate" not in [what for what, _ in missing_parts(page)]
+    assert reason.split(":")[0] in answer(page) + document(page)
+
+
 def test_a_certificate_without_its_proof_is_not_shown(contents, shipped):
     proof = shipped / "certificate/proof.json"
     proof.write_text("{}")

@@ -220,6 +220,16 @@ def test_a_fault_is_named(tmp_path, name):
     assert_named(problems_of_file(file), [name])
 
 
+def test_a_knee_that_turns_the_other_way_is_one_problem(tmp_path):
+    """Both ends of its range differ from the other knee's, for one reason."""
+    file = tmp_path / "robot.xml"
+    turned = OTHER_KNEE.replace("0 1 0", "0 -1 0")
+    assert turned != OTHER_KNEE
+    file.write_text(PLAIN.replace(OTHER_KNEE, turned))
+    (line,) = problems_of_file(file)
+    assert line.startswith("joint right_knee turns the other way than left_knee (axis 0 -1 0)")
+
+
 @pytest.mark.parametrize("names", by_threes(24), ids="-".join)
 def test_three_faults_are_named_at_once(tmp_path, names):
     file = tmp_path / "robot.xml"

@@ -17,6 +17,8 @@ from support.random_biped import random_biped
 AMBER = re.sub("<keyframe>.*</keyframe>", "", load_robot("amber3m").layout.xml, flags=re.S)
 LEFT_FOOT = '<geom name="foot_left" class="foot" pos="0 0 -0.4667"/>'
 LEFT_HIP = '<joint name="hip_left" class="hip" axis="0 1 0"/>'
+LEFT_KNEE = '<joint name="knee_left" class="knee" axis="0 1 0"/>'
+RIGHT_KNEE = LEFT_KNEE.replace("left", "right")
 LEFT_MOTOR = '<motor name="hip_left" joint="hip_left"/>'
 
 # name: (text in the amber file, what replaces it, what the message must say)
@@ -101,6 +103,17 @@ REFUSED = {
         LEFT_HIP.replace("<joint", '<joint range="-1 1"'),
         "legs of unequal data: lower joint limit",
     ),
+    "a knee that turns the other way": (
+        RIGHT_KNEE,
+        RIGHT_KNEE.replace("0 1 0", "0 -1 0"),
+        r"^joint knee_right turns the other way than knee_left \(axis 0 -1 0\), with the "
+        'same range: write axis="0 1 0", or turn its range round$',
+    ),
+    "the other knee that turns the other way": (
+        LEFT_KNEE,
+        LEFT_KNEE.replace("0 1 0", "0 -1 0"),
+        "joint knee_left turns the other way than knee_right",
+    ),
     "unequal number of links": (
         LEFT_FOOT,
         '<body name="toe" pos="0 0 -0.4"><joint name="toe" axis="0 1 0"/><inertial '
@@ -141,7 +154,7 @@ REFUSED = {
     "no torque limit": (
         '<motor ctrlrange="-41 41"/>',
         "",
-        "motor knee_left has no torque limit: add forcerange",
+        "motor knee_left has no torque limit: add forcerange.*or ctrlrange for all",
     ),
     "lopsided torque limit": (
         '<motor ctrlrange="-41 41"/>',

@@ -289,7 +289,7 @@ def test_a_start_that_was_killed_is_as_good_as_none(
         with pytest.raises(SystemExit):
             _create(tmp_path, out=out)
     assert written == ["robot.xml"]
-    with pytest.raises(RunError, match="killed while starting; train again"):
+    with pytest.raises(RunError, match="killed while starting; give a run folder or `latest`"):
         RunFolder.open(out)
     folder = _create(tmp_path, out=out)
     assert sorted(path.name for path in out.iterdir()) == ["config.json", "robot.xml"]

@@ -72,7 +72,7 @@ def test_the_result_is_recorded_and_shown(run, walked, capsys):
     said = " ".join(capsys.readouterr().out.split())
     assert (
         "set of level inside smallest margin last outside 2 " in said
-        and "100.00% had commands" in said
+        and "100.00 % had commands" in said
     )
     brief_walks(done)
     said = capsys.readouterr().out

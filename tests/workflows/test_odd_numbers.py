@@ -43,7 +43,10 @@ TINY = "5e-324"
         (["simulate", "RUN", "--steps", "0"], "--steps: expected a whole number of at least 1"),
         (["simulate", "RUN", "--push", "1e308"], "expected a push of -10000 to 10000 N s"),
         (["simulate", "RUN", "--workers", HUGE], "expected at most 4096 workers"),
-        (["train", "amber3m", "--steps", HUGE], "expected at most 10000000 gradient steps"),
+        (
+            ["train", "amber3m", "--steps", HUGE],
+            "expected at most 10000000 gradient steps",
+        ),
         (["train", "amber3m", "--seed", HUGE], "found a number of 40 digits"),
         (["train", "amber3m", "--hidden", HUGE], "expected at most 8 hidden widths of at most"),
         (["train", "amber3m", "--speed", "1e308"], "expected a speed of at most 100 m/s"),

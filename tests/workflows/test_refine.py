@@ -152,7 +152,7 @@ def test_bad_input_makes_no_run(brief_run, refined, root):
         refine(refined, out=root / "no", root=root)
     with pytest.raises(RunError, match=r"expected a residual in .*nothing, found none: give"):
         refine(brief_run, residual=root / "nothing", out=root / "no", root=root)
-    with pytest.raises(InputError, match="expected at least 1 gradient step, found 0"):
+    with pytest.raises(InputError, match="--steps: expected a whole number of at least 1, found 0"):
         refine(brief_run, steps=0, out=root / "no", root=root)
     with pytest.raises(InputError, match="expected a seed from 0"):
         refine(brief_run, seed=-1, out=root / "no", root=root)

@@ -7,7 +7,7 @@ import pytest
 from neuralgaits.cli.main import main
 from support.shipped_run import SHIPPED
 
-SAID = "this replaces the undisturbed walk that the report showed"
+SAID = "this replaces the run's undisturbed walk, which reports show"
 
 
 @pytest.fixture

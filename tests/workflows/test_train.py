@@ -234,11 +234,15 @@ def test_a_used_folder_is_refused(amber, small, root):
         ({"init": "zeros"}, "expected one of posture, random, found 'zeros'"),
         ({"hidden": ()}, "expected hidden widths of at least 1"),
         ({"hidden": (8, 0)}, "expected hidden widths of at least 1"),
-        ({"steps": 0}, "expected at least 1 gradient step, found 0"),
+        ({"steps": 0}, "--steps: expected a whole number of at least 1, found 0"),
         ({"spec": "runing"}, "unknown spec 'runing'"),
         ({"budget": 5.0}, "add --certify"),
         ({"certify": True, "budget": 0.0}, "budget of more than 0 seconds"),
         ({"certify": True, "spec": "paper"}, "use tanh or softplus"),
+        (
+            {"certify": True, "speed": (0.6, 0.8)},
+            "found one that takes speed: train without --certify, then certify the run",
+        ),
     ],
 )
 def test_bad_settings_leave_no_folder(amber, tmp_path, settings, message):

@@ -301,7 +301,10 @@ def test_an_error_of_one_ends_all_and_is_raised(amber, tmp_path, monkeypatch):
         (["--seeds", "0:4", "--certify"], "expected --seeds without --certify, found both"),
         (["--seeds", "0:4", "--budget", "5"], "expected a budget with --certify only"),
         (["--seeds", "0:4", "--resume", "r"], "expected --resume alone, found it with --seeds"),
-        (["--seeds", "0:4", "--steps", "0"], "expected at least 1 gradient step, found 0"),
+        (
+            ["--seeds", "0:4", "--steps", "0"],
+            "--steps: expected a whole number of at least 1",
+        ),
         (["--seeds", "0:4", "--out", "there"], "expected a new or empty folder for the runs"),
     ],
 )

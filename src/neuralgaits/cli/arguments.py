@@ -187,7 +187,7 @@ class InspectOptions:
     """Show the contents of a robot file, or everything that is wrong with it."""
 
     robot: Annotated[Positional[str], arg(metavar="ROBOT")]
-    """Name of a built-in robot, or path of an MJCF file; of a URDF beside --planarise."""
+    """Name of a built-in robot, or path of an MJCF file, or with --planarise of a URDF."""
     planarise: Annotated[Path | None, arg(metavar="OUT.xml")] = None
     """Write a copy that this program supports, also of a URDF or of a humanoid's section in the
     plane: flat feet become welded point feet, arms are welded, and elements that the theory ignores

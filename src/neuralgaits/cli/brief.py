@@ -4,15 +4,17 @@ At most six lines each, long ones wrapped. `-v` prints the rest above them, `--j
 `hint` a line says so.
 """
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from rich.text import Text
 
+from neuralgaits._commands import KNOWN_COMMANDS
 from neuralgaits._digits import at_least
 from neuralgaits._printable import counted
-from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, verdict
+from neuralgaits.cli.screen_tables import number, percent, show_facts, show_sentence, verdict
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.checked import ProofCheck
@@ -22,13 +24,17 @@ from neuralgaits.records.level_words import FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary
-from neuralgaits.runs import RunFolder
+from neuralgaits.runs import RunFolder, packed, resolve
 from neuralgaits.runs.names import CONFIG
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import CertifySettings
+from neuralgaits.settings.forms import command_word
 from neuralgaits.settings.options import words_of
 
 _MORE = "-v prints more"
+_HASH = re.compile(r"\b([0-9a-f]{12})[0-9a-f]{52}\b")
+"""A sha256, of which a line shows the first digits."""
+_FIRST_DIGITS = r"\1..."
 
 
 def _hinted(text: str, hint: bool, joint: str = "; ") -> str:
@@ -71,37 +77,40 @@ def brief_walks(result: SimulationSummary, *, hint: bool = True) -> None:
     count, steps = len(result.fell), result.steps_walked or (0,)
     span = f"{min(steps)}" if len(set(steps)) == 1 else f"{min(steps)} to {max(steps)}"
     answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
+    setting = f"{result.walked_by}{result.met}{_commanded(result)}"
     show_sentence(
         answer,
         f": {result.stayed} of {count} episodes stayed up, "
-        f"{span} step{'' if span == '1' else 's'}, {result.walked_by}{result.met}",
+        f"{span} step{'' if span == '1' else 's'}, {setting}",
     )
     reasons = sorted({reason for reason in result.fall_reasons if reason})
     key = (
-        ("speed", result.speed_m_s, "m/s"),
+        ("speed", result.speed_m_s, f"m/s{_told_speed(result)}"),
         ("cost of transport", result.cost_of_transport, ""),
         ("peak torque", result.peak_torque_nm, "N m"),
         ("output error up to", result.max_output_error_rad, "rad"),
     )
     numbers = [f"{what} {number(value)} {unit}".rstrip() for what, value, unit in key if value]
     numbers += [
-        f"{name} missed by {number(error.mean)} on average"
+        f"{name} off its command by {number(error.mean)} {KNOWN_COMMANDS[name].unit} on average"
         for name, error in result.command_error.items()
-        if error.mean is not None
+        if error.mean is not None and not (name == "speed" and _told_speed(result))
     ]
     if result.push and (fallen := result.fell_after_push):
-        reasons.append(f"{len(fallen)} after the push of {number(result.push)} N s")
+        which = "" if count == 1 else f"{len(fallen)} of {counted(count, 'walk')} "
+        reasons.append(f"{which}after the push of {number(result.push)} N s")
     facts: list[tuple[str, Any]] = [("fell", ", ".join(reasons))] if reasons else []
     if line := ", ".join([*numbers, *([_MORE] if hint else [])]):
-        facts.append(("figures", line))
+        facts.append(("numbers", line))
     if share := result.saturated_fraction:
-        facts.append(("torque", f"at its limit in {share:.1%} of ticks"))
+        facts.append(("torque", f"at its limit in {percent(share, 1)} of ticks"))
     if (link := result.link) is not None and link.deadline_misses:
         late = f"{link.deadline_misses} of {link.ticks} ticks kept the command of the tick before"
         facts.append(("link", late))
     if (monitored := result.monitor) is not None:
         shares = (
-            f"{one.inside:.2%} in the set of level {levels}" for levels, one in monitored.by_set
+            f"{percent(one.inside, 2)} in the set of level {levels}"
+            for levels, one in monitored.by_set
         )
         facts.append(("monitor", f"of {monitored.ticks} ticks, {', '.join(shares)}"))
     if result.adapted is not None:
@@ -114,6 +123,19 @@ def brief_walks(result: SimulationSummary, *, hint: bool = True) -> None:
         facts.append(("slope", result.believed_slope.in_words))
     facts.append(("next", _after_walks(result)))
     show_facts(facts)
+
+
+def _commanded(result: SimulationSummary) -> str:
+    """Return the commands of walks as the command line takes them; empty without."""
+    if result.commands is not None:
+        return f", commands {result.commands}"
+    return "".join(f", {command_word({name: v})}" for name, v in (result.command or {}).items())
+
+
+def _told_speed(result: SimulationSummary) -> str:
+    """Return the constant speed that walks were commanded, beside the measured one."""
+    speed = (result.command or {}).get("speed")
+    return "" if speed is None or result.adapt else f" where {number(speed)} was commanded"
 
 
 def _after_walks(result: SimulationSummary) -> str:
@@ -139,7 +161,7 @@ def brief_proof(result: CertificateRecord, *, hint: bool = True) -> None:
     facts: list[tuple[str, Any]] = []
     if result.verdict == "proved":
         show_sentence(verdict(result.verdict), f" to {sentence}")
-        facts += [("before", result.reason)] if result.reason else []
+        facts += [("note", result.reason)] if result.reason else []
     else:
         reason = f": {result.reason}" if result.reason else ""
         at = f" at level {result.level}"
@@ -168,10 +190,10 @@ def brief_proof(result: CertificateRecord, *, hint: bool = True) -> None:
         else:
             subject = "the model with every joint exactly where the gait wants it"
         facts.append(("about", subject))
-    boxes = f"{result.boxes} bounded in the search"
+    boxes = f"{result.boxes} bounded"
     if (final := boxes_of_proof(result.proof)) is not None:
-        boxes += f", {final} in the proof file"
-    facts.append(("boxes", _hinted(f"{boxes}, {result.wall_s:.0f} s in all", hint)))
+        boxes = f"{final} in the proof file ({boxes} in the search)"
+    facts.append(("boxes", _hinted(f"{boxes}, {result.wall_s:.0f} s", hint)))
     facts += [("proof", result.proof)] if result.proof else []
     facts.append(("next", _after_proof(result)))
     show_facts(facts)
@@ -214,8 +236,7 @@ def _arithmetic(result: ProofCheck) -> str:
 
 def brief_check(result: ProofCheck, *, hint: bool = True) -> None:
     """Print the verdict on a proof file, what it is about, and that it rests on assumptions."""
-    reason = f": {result.reason}" if result.reason else ""
-    show_sentence(verdict(result.verdict), reason)
+    show_sentence(verdict(result.verdict), _why_no_better(result, hint))
     levels = (f"level {one.level} {one.verdict}" for one in result.levels)
     above = "".join(f", {level}" for level in levels)
     unclaimed = f"; none of {_list(result.unclaimed)}" if result.unclaimed else ""
@@ -232,6 +253,24 @@ def brief_check(result: ProofCheck, *, hint: bool = True) -> None:
     show_facts(facts)
 
 
+def _why_no_better(result: ProofCheck, hint: bool) -> str:
+    """Return the first reason for a verdict on a proof file, and how many there are."""
+    if not result.reason:
+        return ""
+    if result.verdict != "rejected":
+        return f": {result.reason}"
+    first, *others = result.reason.split("; ")
+    # The whole hashes of a file are for programs, in --json; -v has them, too.
+    line = f": {_HASH.sub(_FIRST_DIGITS, first)}"
+    if not others:
+        return line
+    return f"{line}; {counted(len(others), 'more reason')}, {_where(hint)}"
+
+
+def _where(hint: bool) -> str:
+    return "-v prints all" if hint else "listed above"
+
+
 def _assumed(count: int, hint: bool) -> str:
     things = counted(count, "thing")
     return f"{things}; -v prints them and every statement" if hint else f"{things}, listed above"
@@ -244,13 +283,27 @@ def _after_check(result: ProofCheck) -> str:
         run = named(own) if (own / CONFIG).is_file() else "RUN"
         return command("check-proof", named(result.proof), "--run", run)
     if result.verdict != "proved":
-        return command("certify", named(result.run))
+        return _after_refusal(result, result.run)
     from neuralgaits.systems.family_tasks import family_of_run
 
     if family_of_run(result.run) is not None:
         # Not every family has an export.
         return command("report", named(result.run))
     return command("export", named(result.run), "--out", "build/c")
+
+
+def _after_refusal(result: ProofCheck, run: str) -> str:
+    """Return the command for a proof that does not prove its run: check the run's own, or make it.
+
+    A run whose own proof was refused is proved again.
+    """
+    try:
+        own = resolve(run).path / PROOF
+    except RunError:
+        return command("certify", named(run))
+    if packed.is_there(own) and own.resolve() != Path(result.proof).resolve():
+        return command("check-proof", named(run), "--run", named(run))
+    return command("certify", named(run))
 
 
 def brief_fit(result: FitSummary, *, hint: bool = True) -> None:
@@ -271,7 +324,7 @@ def brief_fit(result: FitSummary, *, hint: bool = True) -> None:
     )
     show_facts(
         [
-            ("left", f"remaining error bound on dz: {bound or 'unknown'}"),
+            ("remaining", f"error bound on dz, from held-out strides: {bound or 'unknown'}"),
             ("used", _hinted(f"{result.walked_s:.1f} s of walking", hint)),
             ("residual", result.residual),
             ("next", command("refine", named(result.run))),
@@ -285,13 +338,21 @@ def brief_report(result: ReportRecord, *, hint: bool = True) -> None:
     show_sentence(Text("written", "green"), f": {size}")
     facts = [("open", result.report)]
     if result.damaged:
-        facts.append(("damaged", _hinted(_list(list(result.damaged)), hint)))
+        facts.append(("damaged", _damaged(result, hint)))
     if result.missing:
         count = len(result.missing)
         what = f"{counted(count, 'optional part')} not made yet"
         facts.append(("missing", f"{what}; {'-v lists them' if hint else 'listed above'}"))
     facts.append(("next", command("view", named(result.run))))
     show_facts(facts)
+
+
+def _damaged(result: ReportRecord, hint: bool) -> str:
+    """Return why one file could not be read, or the names of several."""
+    if len(result.damaged) > 1:
+        return _hinted(_list(list(result.damaged)), hint)
+    ((file, reason),) = result.damaged.items()
+    return reason if reason.startswith(file) else f"{file}: {reason}"
 
 
 def _list(names: Sequence[str]) -> str:

@@ -1,6 +1,6 @@
 """Answers of the monitor about walks, as a table for a person, on stdout."""
 
-from neuralgaits.cli.screen_tables import number, show_sentence, show_table
+from neuralgaits.cli.screen_tables import number, percent, show_sentence, show_table
 from neuralgaits.records.monitored import MonitorFigures
 
 
@@ -11,15 +11,15 @@ def show_monitor(monitored: MonitorFigures) -> None:
         last = "none"
         if (tick := one.last_outside) is not None:
             last = f"{tick.name}, walk {tick.walk} at {tick.time_s:.3f} s"
-        rows.append((levels, f"{one.inside:.2%}", f"{number(one.margin)}, {one.name}", last))
+        rows.append((levels, percent(one.inside, 2), f"{number(one.margin)}, {one.name}", last))
     show_table(("set of level", "inside", "smallest margin", "last outside"), rows)
     in_time = (
         ""
         if monitored.in_time is None
-        else f", {monitored.in_time:.2%} came within its hold (level 5)"
+        else f", {percent(monitored.in_time, 2)} came within its hold (level 5)"
     )
     show_sentence(
-        f"of {monitored.ticks} ticks, {monitored.admissible:.2%} had commands that the proof is "
-        "about"
+        f"of {monitored.ticks} ticks, {percent(monitored.admissible, 2)} had commands that the "
+        "proof is about"
         f"{in_time}; the sets are those of the model under the proof's own controller"
     )

@@ -74,7 +74,15 @@ def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
 
 
 def show_check(result: ProofCheck) -> None:
-    """Show the claims of the file, and their assumptions; the verdict is on the short screen."""
+    """Show the claims of the file, and their assumptions; the verdict is on the short screen.
+
+    All reasons for a rejection are shown if there are several: the short screen has the first.
+    """
+    reasons = (result.reason or "").split("; ")
+    if result.verdict == "rejected" and len(reasons) > 1:
+        show_sentence("rejected because")
+        for reason in reasons:
+            show_sentence(reason, indent=_INDENT, hang=_INDENT)
     weights = f"weights of sha256 {result.weights_sha256[:12]}..."
     show_sentence(f"claims for {result.robot}, spec {result.spec}, {weights}")
     statements = result.statements

@@ -6,6 +6,7 @@ from rich.text import Text
 
 from neuralgaits.cli.screen_tables import (
     number,
+    show_break,
     show_facts,
     show_sentence,
     show_table,
@@ -31,6 +32,7 @@ def show_robot(result: RobotFacts) -> None:
             for link in result.links
         ],
     )
+    show_break()
     show_table(
         ("actuated joint", "your joint", "your motor"),
         [(motor.joint, motor.file_joint, motor.file_motor) for motor in result.actuators],
@@ -42,6 +44,7 @@ def show_robot(result: RobotFacts) -> None:
         "armature kg m²": "armature_kg_m2",
         "damping N m s/rad": "damping_nms_rad",
     }
+    show_break()
     show_table(
         ("actuated joint", *columns),
         [
@@ -49,6 +52,7 @@ def show_robot(result: RobotFacts) -> None:
             for motor in result.actuators
         ],
     )
+    show_break()
     show_facts(_robot_facts(result))
     for line in result.left_out:
         show_sentence(Text("left out", "yellow"), f": {line}")
@@ -119,6 +123,8 @@ def show_written(result: BuiltIn) -> None:
 def show_names(result: BuiltIn) -> None:
     """Show the built-in robots and specs with a line about each."""
     for kind, entries in (("robot", result.robots), ("spec", result.specs)):
+        if kind == "spec" and entries:
+            show_break()
         show_table((kind, "about"), [(entry.name, entry.about) for entry in entries])
 
 

@@ -13,6 +13,7 @@ from neuralgaits.cli.monitor_screen import show_monitor
 from neuralgaits.cli.screen_tables import (
     ROWS,
     number,
+    percent,
     show_facts,
     show_sentence,
     show_table,
@@ -123,19 +124,19 @@ def show_walks(result: SimulationSummary) -> None:
         ]
     figures.append(("speed, × real time", result.real_time_factor, ""))
     rows = [(label, f"{number(v)} {unit}".rstrip()) for label, v, unit in figures if v is not None]
-    show_table(("figure", "value"), rows)
+    show_table(("quantity", "value"), rows)
     share = result.saturated_fraction
     usual = 0.05  # Share of ticks at the limit: touchdowns alone cause a tenth of it.
     if share is not None and share > usual:
         show_sentence(
-            f"{share:.0%} of ticks are at the torque limit: what walks here has no torque in "
-            "reserve; a slower gait (`train --speed`), stronger motors or lower gains have"
+            f"{percent(share, 0)} of ticks are at the torque limit: what walks here has no torque "
+            "in reserve; a slower gait (`train --speed`), stronger motors or lower gains have"
         )
     if (given_up := result.relaxed) is not None:
         show_sentence(
             "within limits of torque and friction, outputs could come back slower than commanded "
-            f"at {given_up.decrease:.2%} of ticks, and forces were asked that the floor does not "
-            f"give at {given_up.contact:.2%}"
+            f"at {percent(given_up.decrease, 2)} of ticks, and forces were asked that the "
+            f"floor does not give at {percent(given_up.contact, 2)}"
         )
     missed = [
         (name, number(error.mean), number(error.worst))
@@ -200,7 +201,7 @@ def _link(link: LinkFigures) -> None:
     )
     show_sentence(words)
     if link.deadline_misses:
-        share = f"{link.deadline_misses} ticks ({link.missed_share:.1%})"
+        share = f"{link.deadline_misses} ticks ({percent(link.missed_share, 1)})"
         show_sentence(f"{share} kept the command of the tick before: {_why_missed(link)}")
 
 

@@ -80,6 +80,11 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
     console.print(table)
 
 
+def show_break() -> None:
+    """Print the empty line between two tables."""
+    Console(highlight=False).print()
+
+
 def _shared_out(spare: int, wanted: Sequence[int]) -> list[int]:
     """Share room out between columns; who wants little gets it, so that few columns wrap."""
     shares = [0] * len(wanted)
@@ -109,6 +114,11 @@ def number(value: Any) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(number(item) for item in value)
     return "-" if value is None else visible(str(value))
+
+
+def percent(share: float, digits: int) -> str:
+    """Format a share with so many digits behind the point, as in 6.4 %."""
+    return f"{100.0 * share:.{digits}f} %"
 
 
 def short(value: float | None) -> str:

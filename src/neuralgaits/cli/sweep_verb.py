@@ -30,11 +30,11 @@ def show_sweep(result: SweepSummary) -> None:
     """Show how many rows there are, and where the table and the page are."""
     good = result.rows - result.failed
     state = Text("done", "green") if not result.failed else Text("not all done", "yellow")
-    show_sentence(state, f": {good} of {result.rows} runs")
+    show_sentence(state, f": {good} of {result.rows} rows")
     if refused := result.failed - result.lost:
         show_sentence(f"{refused} said no, and would again: the page says why", hang=2)
     facts = [
-        ("carried out on", f"{result.engine}, {result.workers} at once"),
+        ("workers", _workers(result)),
         ("time", f"{result.wall_s:.0f} s"),
         ("runs", f"{result.sweep}/rows"),
         ("table", result.table),
@@ -44,6 +44,12 @@ def show_sweep(result: SweepSummary) -> None:
         again = command("sweep", "--out", named(result.sweep), "--resume")
         facts.append(("try the other again" if result.lost == 1 else "try others again", again))
     show_facts(facts)
+
+
+def _workers(result: SweepSummary) -> str:
+    if result.engine == "processes":
+        return f"{result.workers} process{'' if result.workers == 1 else 'es'}"
+    return f"{result.workers} ({result.engine})"
 
 
 def line_of(row: SweepRow) -> str:

@@ -129,7 +129,9 @@ def _replaced(walks: "Simulation") -> str | None:
     from neuralgaits.runs.shell_words import command, named
 
     again = command("simulate", named(walks.summary.run))
-    return f"this replaces the undisturbed walk that the report showed; `{again}` brings that back"
+    return (
+        f"this replaces the run's undisturbed walk, which reports show; `{again}` brings that back"
+    )
 
 
 def _certify(verb: CertifyOptions) -> Outcome:

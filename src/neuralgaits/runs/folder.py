@@ -110,7 +110,7 @@ class RunFolder:
         if not (path / CONFIG).is_file():
             raise RunError(
                 f"expected {CONFIG} in {path}, found none: it is not a run folder, or its run was "
-                "killed while starting; train again"
+                "killed while starting; give a run folder or `latest`, or train again"
             )
         config = read_object(path / CONFIG)
         if config.get("format") != FORMAT:

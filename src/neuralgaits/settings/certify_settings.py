@@ -32,8 +32,8 @@ from neuralgaits.settings.shared_options import (
 )
 
 _LEVELS = (
-    f"What to prove; {', '.join(f'{n}: {words.asks}' for n, words in WORDS.items())}. 3 if not "
-    "given, which is the most with parameters."
+    "What to prove; 3 if not given, which is the most with parameters. "
+    f"{' '.join(f'Level {n}: {words.asks}.' for n, words in WORDS.items())}"
 )
 
 _Box = Annotated[

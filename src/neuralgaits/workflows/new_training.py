@@ -163,8 +163,8 @@ def _refuse_proof(spec: GaitSpec, unprovable: str | None) -> None:
     if spec.commands:
         raise InputError(
             "expected a gait without commands to train until it is proved, found one that "
-            f"takes {', '.join(c.name for c in spec.commands)}: its proof takes many minutes; "
-            "train without --certify, then certify the run"
+            f"takes {', '.join(c.name for c in spec.commands)}: train without --certify, then "
+            "certify the run"
         )
     if spec.parameters:
         raise InputError(

@@ -32,9 +32,9 @@ SHOWN = 3
 """Largest number of contradictions or names that a message gives."""
 
 NOT_TIED = (
-    "not compared with a run: every statement and conclusion follows from the Program in the file, "
-    "and nothing says that this Program is the robot, policy and spec that it names; "
-    "`check-proof FILE --run RUN` compares them"
+    "not compared with a run: every statement and conclusion follows from the Program in the file; "
+    "whether that Program is of the robot, policy and spec that it names was not checked, "
+    "`check-proof FILE --run RUN` does that"
 )
 DERIVED_ELSEWHERE = (
     "the Program in the file is the spec's conditions for the robot and weights named: without a "

@@ -60,7 +60,7 @@ def _names_that_differ(claims: Claims, path: Path) -> list[str]:
         ) from None
     proof_names = {"robot": claims.robot[0], "spec": claims.spec[0]}
     return [
-        f"{what}: the run has {names[what]!r}, the proof {proof_names[what]!r}"
+        f"the proof is about {what} {proof_names[what]!r}, the run about {names[what]!r}"
         for what in names
         if names[what] != proof_names[what]
     ]

@@ -121,11 +121,11 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
         if unreadable := packed.why_unreadable(run / name):
             raise Unfit(f"certificate cannot be read: {unreadable}")
         if summary.sha256.get(name) != digest:
-            raise Unfit(
-                f"{SUMMARY} is about another {name} than the run's"
-                if digest is not None
-                else f"{name} is missing"
-            )
+            if digest is None:
+                raise Unfit(f"{name} is missing")
+            if name == PROOF:
+                raise Unfit(f"{PROOF} is damaged, or not the file that {SUMMARY} was written with")
+            raise Unfit(f"{SUMMARY} is about another {name} than the run's")
     _refuse_disorder(summary)
     config = config_of(folder)
     described = config.described

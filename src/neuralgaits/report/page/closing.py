@@ -7,7 +7,7 @@ from pathlib import Path
 
 from neuralgaits._printable import counted
 from neuralgaits.records import certificate_sentences
-from neuralgaits.records.certified import PROOF, CertificateRecord
+from neuralgaits.records.certified import PROOF, SUMMARY, CertificateRecord
 from neuralgaits.records.level_words import ORBIT_LEVEL
 from neuralgaits.report.drawing.command_words import FIGURES as OF_COMMANDS
 from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
@@ -114,7 +114,8 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         else:
             anew = command("train", repeat_commands.robot_word(saved.folder))
             yield f"{what} one that is trained need not", anew
-    elif unprovable:
+    elif unprovable or not saved.damaged.keys().isdisjoint((SUMMARY, PROOF)):
+        # A damaged certificate is among the failures, with the command that makes it again.
         pass
     elif saved.certificate is None:
         yield "a certificate", command("certify", saved.name)

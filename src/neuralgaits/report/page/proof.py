@@ -50,7 +50,7 @@ def certificate(contents: Contents) -> Html:
 
 
 def _absent(saved: RunContents) -> Html:
-    reason = saved.damaged.get(SUMMARY)
+    reason = saved.damaged.get(SUMMARY) or saved.damaged.get(PROOF)
     sentence = reason or (
         "This gait has no certificate: nothing is proved of it. Measured conditions and simulated "
         "walks are evidence, and no more."

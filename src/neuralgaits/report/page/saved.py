@@ -189,7 +189,8 @@ def read(
     hashes = {file: digest for file, digest in files.items() if digest is not None}
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
-        damaged[SUMMARY] = f"{no_certificate}: {again}"
+        file = PROOF if no_certificate.startswith(PROOF) else SUMMARY
+        damaged[file] = f"{no_certificate}: {again}"
     learned, simulation = part(FIT_SUMMARY, FitSummary), part(WALK_SUMMARY, SimulationSummary)
     outdated = _outdated(folder, learned, simulation, hashes)
     damaged |= outdated

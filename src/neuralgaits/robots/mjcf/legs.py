@@ -1,6 +1,6 @@
 """Parameters of the two legs, in the coordinates of `PlanarBiped`, checked to be equal."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import mujoco
 import numpy as np
@@ -134,6 +134,7 @@ def leg_data(
         "sole": "reach of the sole [m]",
     }
     first, second = (_one_leg(model, tree, skeleton, lines, joints[i], i) for i in range(2))
+    first, second = _with_turned_joints(model, joints, first, second)
     joint_fields = ("armature", "damping", "torque_limit", "lower", "upper")
     for field in fields(LegData):
         one, other = getattr(first, field.name), getattr(second, field.name)
@@ -166,6 +167,42 @@ def leg_data(
         float(first.foot_radius[0]), float(np.sum(first.length)), skeleton.feet[0].name
     )
     return first
+
+
+def _with_turned_joints(
+    model: mujoco.MjModel,
+    joints: tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
+    first: LegData,
+    second: LegData,
+) -> tuple[LegData, LegData]:
+    """Refuse pairs of joints whose ranges differ only because one axis points the other way.
+
+    Returns: the data of both legs, with one range for such a pair, so that it is refused once.
+    """
+    lower, upper = second.lower.copy(), second.upper.copy()
+    signs = np.sign(np.concatenate([[joint.sign for joint in leg] for leg in joints]))
+    for i, pair in enumerate(zip(*joints, strict=True)):
+        if pair[0].sign == pair[1].sign or pair[0].joint.index == pair[1].joint.index:
+            continue
+        ends = [(leg.lower[i], leg.upper[i]) for leg in (first, second)]
+        turned = _range(model, replace(pair[1], sign=-pair[1].sign))
+        if np.allclose(*ends, rtol=1e-6) or not np.allclose(ends[0], turned, rtol=1e-6):
+            continue
+        lower[i], upper[i] = ends[0]
+        # The axis to write again is the one that fewer joints of the robot share.
+        odd = 0 if pair[0].sign * np.sum(signs) < 0.0 else 1
+        joint, other = pair[odd].joint, pair[1 - odd].joint
+        axis = model.jnt_axis[joint.index]
+        refuse(
+            f"joint {joint.name} turns the other way than {other.name} "
+            f"(axis {_axis_text(axis)}), with the same range: write "
+            f'axis="{_axis_text(-axis)}", or turn its range round'
+        )
+    return first, replace(second, lower=lower, upper=upper)
+
+
+def _axis_text(axis: np.ndarray) -> str:
+    return " ".join(f"{part + 0.0:.6g}" for part in axis)
 
 
 def _number_text(value: complex) -> str:

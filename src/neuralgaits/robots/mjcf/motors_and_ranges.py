@@ -159,7 +159,10 @@ def plain_motor(model: mujoco.MjModel, actuator: int, joint: int) -> Motor:
     if model.jnt_actfrclimited[joint]:
         bounds.append(model.jnt_actfrcrange[joint])
     if not bounds:
-        raise RobotError(f'motor {name} has no torque limit: add forcerange="-LIMIT LIMIT"')
+        raise RobotError(
+            f'motor {name} has no torque limit: add forcerange="-LIMIT LIMIT", or ctrlrange for '
+            "all motors in <default>"
+        )
     for low, high in bounds:
         if not np.isclose(low, -high, rtol=1e-9) or high == 0.0:
             refuse(
