@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from flint import arb
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed, constant_rows
@@ -16,6 +17,7 @@ from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     growth,
     mean_kick,
     most_push,
+    sqrt_v_after_kick,
 )
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     inequalities as push_inequalities,
@@ -27,6 +29,8 @@ from neuralgaits.certificate.levels.disturbed.theorem import (
 )
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import (
+    after_impact,
+    bound_at,
     inequalities,
     least_time,
     mismatch,
@@ -201,6 +205,51 @@ def _forged_kicks(full, shape):
         "bound on sqrt(V) at the next tick": replace(shape, kick_peak=2e3),
         "what the push takes < lost": replace(shape, barriers=_held(full, error=0.0).barriers),
     }
+
+
+@pytest.mark.parametrize(("beyond", "holds"), [(-1e-7, True), (1e-7, False)])
+def test_outputs_shrink_from_an_impact_to_the_next_tick(beyond, holds):
+    """The face of the radius: less than sqrt(V+) is left when the kick has added all of its part.
+
+    Without that decay, as in b T J + sqrt(V+) < R, neither of these constants would fit.
+    """
+    full = _full()
+    shape = _free(full, hold=2e-4)
+    bound = float(bound_at(full, arb(shape.kick_end)))
+    after, hold = float(after_impact(full)), shape.hold
+    added = bound * (1.0 + beyond) - after * np.exp(-0.5 * GAMMA * hold)
+    assert after + added > bound * (1.0 + 1e-4)
+    peak = 2.0 * added / (B * hold) - float(first_kick(full, shape))
+    assert peak > shape.kick_peak
+    shape = replace(shape, kick_peak=peak)
+    face = [s for s in push_inequalities(full, shape) if "at the next tick" in s.claim]
+    assert [step.holds for step in face] == [holds]
+    # The faces of the barriers take no decay: they are asked with all that is added.
+    barriers = [s for s in push_inequalities(full, shape) if "h(z+) - t" in s.claim]
+    for step, of in zip(barriers, full.barriers, strict=True):
+        assert float(step.left) == pytest.approx(of.sigma * (after + added) ** 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("kicks", [0.5, 2000.0])
+def test_no_output_after_an_impact_is_larger_than_at_an_end_of_the_hold(kicks):
+    """Of r' = -gamma r / 2 + b e, e' = G + rho e, from the impact to ticks at any time."""
+    full = _full()
+    shape = replace(_free(full, hold=1e-3), kick=kicks, kick_slope=0.0, kick_push=0.0)
+    rate, first = float(error_rate(full, shape)), float(first_kick(full, shape))
+    still = shape.jerk + shape.growth_slope * full.radius
+    last = first * np.exp(rate * shape.hold) + still * np.expm1(rate * shape.hold) / rate
+    shape = replace(shape, kick_peak=last)
+    said, after = float(sqrt_v_after_kick(full, shape)), float(after_impact(full))
+    r, most, parts = after, after, 4000
+    step = shape.hold / parts
+    for number in range(parts):
+        since = (number + 0.5) * step
+        e = first * np.exp(rate * since) + still * np.expm1(rate * since) / rate
+        r += step * (-0.5 * GAMMA * r + B * e)
+        most = max(most, r)
+    assert 0.97 < most / said <= 1.0
+    # Small errors add less than decays: the bound is the one right after the impact.
+    assert (said == after) == (kicks < 100.0)
 
 
 def test_outputs_shrink_from_step_to_step_as_the_decay_of_the_law_says():

@@ -1,15 +1,25 @@
 """Level 5 of the default gait, derived by the C++ checker from the robot's own numbers."""
 
 import json
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import pytest
+from flint import arb
 
 from neuralgaits.certificate.levels.disturbed.margins import FORCES
-from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
+from neuralgaits.certificate.levels.disturbed.push_inequalities import decay, factor, first_kick
+from neuralgaits.certificate.levels.disturbed.theorem import (
+    DisturbedBarrier,
+    DisturbedConstants,
+    premises,
+)
+from neuralgaits.certificate.levels.full_order.inequalities import after_impact, bound_at
 from neuralgaits.certificate.levels.level_search import LevelSets
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.programs import Program
 from neuralgaits.records.certified import PROOF
 from support.checker_case import bounds
 from support.full_case import NARROW, WIDE, FullCase, in_the_ball
@@ -70,6 +80,56 @@ def test_a_level_5_of_another_law_is_not_judged(proofcheck, file, tmp_path):
     answer = proofcheck(other)
     assert answer.returncode == 3, answer.stdout
     assert "undecided: what level 5 concludes of the law of scheduled PD" in answer.stdout
+
+
+@pytest.mark.parametrize("beyond", [-1e-6, 1e-6])
+def test_outputs_shrink_from_an_impact_to_the_next_tick(proofcheck, file, tmp_path, beyond):
+    """A clock that knows no touchdown, whose kick fits until the next tick, or nearly does."""
+    table = json.loads(file.read_text())
+    theorems = read_claims(file).theorems
+    full, shape = theorems.full, theorems.parameters.get(5)
+    assert full is not None and isinstance(shape, DisturbedConstants)
+    end = 1.01 * (full.start_strip + full.pace[1] * shape.hold)
+    shape = replace(shape, kick=1.0, kick_slope=1.0, kick_push=1.0, kick_end=end)
+    # So much that sqrt(V+) has to shrink for the rest to fit.
+    first, b = float(first_kick(full, shape)), float(factor(full))
+    decayed = math.exp(-0.5 * float(decay(full, shape)) * shape.hold) * float(after_impact(full))
+    added = float(bound_at(full, arb(end))) * (1.0 + beyond) - decayed
+    shape = replace(shape, kick_peak=2.0 * added / (b * shape.hold) - first)
+    kicks = ("kick", "kick_slope", "kick_push", "kick_peak", "kick_end")
+    _level_5(table).update({name: getattr(shape, name).hex() for name in kicks})
+    # What is asked next does not follow, so no box is bounded.
+    next_asked = f"disturbed/decrease {shape.barriers[0].name}"
+    for one in table["statements"]:
+        if next_asked in one["bounds"]:
+            one["bounds"][next_asked] = -1.0
+    (jerk,) = (one for one in table["statements"] if "disturbed/jerk" in one["conditions"])
+    outputs = table["program"]["outputs"]
+    (value,) = (row[2] for row in outputs if row[0] == "disturbed/jerk")
+    for premise in premises(full, shape):
+        if premise.output.startswith("disturbed/kick"):
+            table["statements"].append(_stated(jerk, premise))
+            outputs.append([premise.output, [], value])
+    outputs.sort()
+    table["program_hash"] = Program.from_json(json.dumps(table["program"])).hash
+    forged = tmp_path / "proof.json"
+    forged.write_text(json.dumps(table))
+    said = " ".join(proofcheck(forged).stdout.split())
+    face = "sqrt(V+) exp(-gamma hold / 2) + b hold mean kick < bound on sqrt(V)"
+    assert (face in said) == (beyond > 0.0), said
+    assert (next_asked in said.split("rejected")[-1]) == (beyond < 0.0), said
+
+
+def _stated(statement, premise):
+    """Return a statement with another premise in place of its own."""
+    claim = {premise.output: 0.0 if premise.sign == "not negative" else 0.1}
+    low, high = ([x.hex() for x in corner] for corner in (premise.low, premise.high))
+    return statement | {
+        "conditions": [premise.output],
+        "bounds": claim,
+        "scales": {premise.output: 1.0},
+        "root": {"low": low, "high": high},
+    }
 
 
 @dataclass(frozen=True)

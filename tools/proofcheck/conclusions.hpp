@@ -314,7 +314,7 @@ class Conclusions {
     I most = push + slope * I(f.radius);
     if (d.hold != 0.0) held(f, d, gamma);
     if (d.free_clock()) {
-      const I while_held = I(0.5) * gamma * I(d.hold) * kicked(f, d);
+      const I while_held = I(0.5) * gamma * I(d.hold) * kicked(f, d, gamma);
       most = I(larger(most.high(), while_held.high()));
     }
     string names;
@@ -382,7 +382,7 @@ class Conclusions {
 
   // Torques held through an impact, until the next tick: docs/level5_clock.md, inequality 4. Returns a
   // bound on the mean of |S e| until then; the bound itself is convex in time.
-  I kicked(const FullOrder& f, const Disturbed& d) const {
+  I kicked(const FullOrder& f, const Disturbed& d, const I& gamma) const {
     not_negative("disturbed/kick", f.strip());
     not_negative("disturbed/kick-slope", f.strip());
     not_negative("disturbed/kick-push", f.strip());
@@ -402,15 +402,20 @@ class Conclusions {
     const I mismatch = size(f.mismatch) +
                        size(f.drift) * I(larger((I(1.0) - I(f.near)).high(),
                                                 (I(f.far) - I(1.0)).high()));
-    const I after = mismatch + size(f.gain) * guard + root(I(5.0)) / I(f.bandwidth) * hold * mean;
-    for (const I& phase : {I(f.start_strip), end})
-      need("free clock: sqrt(V+) + b hold mean kick < bound on sqrt(V) at the next tick", after,
-           floor + (radius - floor) * exp(-(I(f.shrink) * square(phase))));
+    const I after = mismatch + size(f.gain) * guard;
+    const I added = root(I(5.0)) / I(f.bandwidth) * hold * mean;
+    // The bound on sqrt(V) is convex in the time since the impact: its ends suffice.
+    const I decayed = exp(-(I(0.5) * gamma * hold)) * after + added;
+    for (const I& at_tick : {after, decayed})
+      for (const I& phase : {I(f.start_strip), end})
+        need("free clock: sqrt(V+) exp(-gamma hold / 2) + b hold mean kick < bound on sqrt(V) at "
+             "the next tick",
+             at_tick, floor + (radius - floor) * exp(-(I(f.shrink) * square(phase))));
     for (size_t i = 0; i < f.barriers.size(); ++i) {
       const BarrierConstants& b = f.barriers[i];
       const I tightening = i < 2 ? I(0.0) : square(I(b.reading)) / (I(4.0) * I(b.sigma));
       need(b.name + ": free clock: sigma (sqrt(V+) + b hold mean kick)^2 < h(z+) - t",
-           I(b.sigma) * square(after),
+           I(b.sigma) * square(after + added),
            I(b.reset) - size(b.reset_slope) * guard - tightening);
     }
     return mean;

@@ -236,8 +236,10 @@ class _SampledBounds:
     def _bears(self, hold: float, kick: Kick) -> bool:
         """Return whether the set holds what an impact adds until the next tick."""
         full, end = self.full, self.end_of_kick(hold)
-        grown = after_impact(full) + self.factor * hold * kick.mean
-        if not (grown < bound_at(full, arb(full.start_strip)) and grown < bound_at(full, arb(end))):
+        after, added = after_impact(full), self.factor * hold * kick.mean
+        grown = after + added
+        at_tick = after.max(after * math.exp(-0.5 * self.gamma * hold) + added)
+        if not all(at_tick < bound_at(full, arb(phase)) for phase in (full.start_strip, end)):
             return False
         if not all(arb(of.sigma) * grown**2 < inlet(full, of) for of in full.barriers):
             return False

@@ -61,7 +61,7 @@ def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) 
     rate = error_rate(full, disturbed)
     most = abs(arb(disturbed.jerk)) + abs(arb(disturbed.growth_slope)) * arb(full.radius)
     grown = (rate * hold).exp()
-    kicked = sqrt_v_after_kick(full, disturbed)
+    kicked, at_tick = _w_after_kick(full, disturbed), sqrt_v_after_kick(full, disturbed)
     # Inequality 4 of docs/level5_clock.md.
     rows = [
         Inequality("free clock: 0 < hold", arb(0), hold),
@@ -77,8 +77,9 @@ def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) 
             peak,
         ),
         Inequality(
-            "free clock: sqrt(V+) + b hold mean kick < bound on sqrt(V) at the next tick",
-            kicked,
+            "free clock: sqrt(V+) exp(-gamma hold / 2) + b hold mean kick < bound on sqrt(V) at "
+            "the next tick",
+            at_tick,
             bound_at(full, arb(full.start_strip)).min(bound_at(full, end)),
         ),
     ]
@@ -94,8 +95,23 @@ def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) 
 
 
 def sqrt_v_after_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
-    """Bound sqrt(V) from an impact to the next tick, under the torque from before it [rad]."""
-    return after_impact(full) + factor(full) * arb(disturbed.hold) * mean_kick(full, disturbed)
+    """Bound sqrt(V) from an impact to the next tick, under the torque from before it [rad].
+
+    The bound is convex in the time since the impact, so its ends suffice.
+    """
+    after = after_impact(full)
+    decayed = (-decay(full, disturbed) * arb(disturbed.hold) / 2).exp() * after
+    return after.max(decayed + _kick_added(full, disturbed))
+
+
+def _w_after_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
+    """Bound W right after an impact: sqrt(V) and all that is added until the next tick [rad]."""
+    return after_impact(full) + _kick_added(full, disturbed)
+
+
+def _kick_added(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
+    """Bound what errors add to sqrt(V) from an impact to the next tick [rad]."""
+    return factor(full) * arb(disturbed.hold) * mean_kick(full, disturbed)
 
 
 def first_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
