@@ -30,6 +30,9 @@ def test_no_walk_leaves_the_set_while_torques_are_held(trained, free_clock, leas
     found = find_disturbed(evaluators_in_norm(model, shape, looks), shape, free_clock=free_clock)
     assert isinstance(found, DisturbedConstants), found
     assert found.hold > least
+    # The set shrinks nearly as fast as pushed outputs do: the strip behind phase 1 is narrow.
+    (shrinks,) = (s for s in inequalities(shape, found) if "bound shrinks, pushed" in s.claim)
+    assert float(shrinks.left) > 0.985 * float(shrinks.right)
     # A torque that is off when it is set may be held for less long, and still fits.
     erring = find_disturbed(
         evaluators_in_norm(model, shape, looks), shape, free_clock=free_clock, error=ERROR

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from neuralgaits.certificate.levels.full_order import norm
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities
 from neuralgaits.certificate.levels.full_order.norm import find_widest
 from neuralgaits.certificate.levels.full_order.norm_plans import NormPlans
@@ -75,6 +76,22 @@ def test_without_a_norm_of_its_own_impacts_would_not_fit_in(seen):
     # A little more, and something gives way; a smaller one is a set as well.
     assert plan.planned.still(1.01 * plan.radius).radius == 0.0
     assert plan.smaller(0.5).radius == pytest.approx(0.5 * plan.radius)
+
+
+def test_norms_that_are_compared_have_one_size(seen, monkeypatch):
+    """Limits on radii and errors are absolute: a smaller S would only seem to keep to them."""
+    tried = []
+
+    class Plans(NormPlans):
+        def __init__(self, samples, bandwidth, matrix, *more):
+            tried.append(np.linalg.det(matrix))
+            super().__init__(samples, bandwidth, matrix, *more)
+
+    monkeypatch.setattr(norm, "NormPlans", Plans)
+    plan = find_widest(seen, W)
+    assert plan is not None and len(tried) > 100
+    np.testing.assert_allclose(tried[:-1], 1.0, rtol=1e-9)
+    assert tried[-1] == pytest.approx(1.0, rel=1e-3)  # Rounded for people to read.
 
 
 def test_outputs_too_slow_for_any_norm_are_told_by_the_inequality_that_breaks(trained):

@@ -73,8 +73,11 @@ def find_full_order(
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
     rate = plan.slower * gamma if plan else gamma
     most, shrink = _fastest(samples, u[:, 0], radius, floor, rate)
-    slowest = _over(samples, "pace", u[:, 0], -radius, -floor, shrink).min()
     strip = _guard_strip(evaluators, levels, crossing, _bound_at_phase(radius, floor, shrink, 0.98))
+    if floor > 0.0 and strip is not None:
+        # A disturbed set has the least room, and the strip is known now.
+        most, shrink = _fastest(samples, u[:, 0], radius, floor, rate, 1.005 * (1.0 + strip))
+    slowest = _over(samples, "pace", u[:, 0], -radius, -floor, shrink).min()
     if slowest <= 0.0 or strip is None:
         return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
     guard_radius = _bound_at_phase(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
@@ -196,14 +199,21 @@ def _over(
 
 
 def _fastest(
-    samples: Samples, phase: np.ndarray, radius: float, floor: float, gamma: float
+    samples: Samples,
+    phase: np.ndarray,
+    radius: float,
+    floor: float,
+    gamma: float,
+    end: float = 1.0625,
 ) -> tuple[float, float]:
-    """Return the fastest pace, and the fastest shrinking of the bound on sqrt(V) that fits it."""
+    """Return the fastest pace, and the fastest shrinking of the bound on sqrt(V) that fits it.
+
+    `end` is a phase beyond the guard's strip.
+    """
     most, shrink = 0.0, 0.0
     for _ in range(3):
         most = float(_over(samples, "pace", phase, radius, floor, shrink).max())
-        # Somewhat less than 4, for the strip beyond phase 1.
-        shrink = float(at_least(gamma / (4.25 * most), DIGITS))
+        shrink = float(at_least(gamma / (4.0 * end * most), DIGITS))
     return most, shrink
 
 

@@ -45,16 +45,19 @@ def _best(
     from scipy.optimize import minimize  # Slow to import, and only proofs need it.
 
     m = len(samples.inertia)
-    rows = np.tril_indices(m)
+    rows, diagonal = np.tril_indices(m), np.diag_indices(m)
 
     def matrix(x: np.ndarray) -> np.ndarray:
         lower = np.zeros((m, m))
         lower[rows] = x
-        lower[np.diag_indices(m)] = np.exp(np.diagonal(lower))
-        return lower.T
+        # The size of S means nothing, but limits on radii are absolute: 1 for the determinant.
+        logarithms = lower[diagonal]
+        size = np.exp(logarithms.mean())
+        lower[diagonal] = np.exp(logarithms)
+        return lower.T / size
 
     lower = np.linalg.cholesky(samples.inertia / np.linalg.det(samples.inertia) ** (1.0 / m))
-    lower[np.diag_indices(m)] = np.log(np.diagonal(lower))
+    lower[diagonal] = np.log(lower[diagonal])
     with np.errstate(all="ignore"):
         best = minimize(
             lambda x: -worth(NormPlans(samples, bandwidth, matrix(x), held, error)),
@@ -62,7 +65,5 @@ def _best(
             method="Nelder-Mead",
             options={"maxfev": 900 if held else 500, "adaptive": True},  # Norms that are tried.
         )
-        norm = matrix(best.x)
-        # The size of S means nothing: 1 for the determinant, and few digits.
-        size = np.linalg.det(norm) ** (1.0 / m)
-        return NormPlans(samples, bandwidth, np.round(norm / size, 4), held, error)
+        # Few digits, for people to read.
+        return NormPlans(samples, bandwidth, np.round(matrix(best.x), 4), held, error)

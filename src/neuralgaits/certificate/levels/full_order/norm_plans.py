@@ -25,6 +25,8 @@ from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_ra
 HELD_SPARE = 1.1
 """Factor of room for contact, torque and foot while torques are held. It is smaller than without a
 hold, because slopes already take too much."""
+TORQUE_SPARE = 1.2
+"""Factor more for torques where a law is not exact: level 4 bounds those of exact linearisation."""
 FULL = 0.96
 """Share of a set without pushes that an impact may fill."""
 IMPACT = 1.18
@@ -33,6 +35,8 @@ LONGEST = 4e-3
 """Longest hold that is tried [s]."""
 STRIP = 0.97
 """Phase at which the guard's strip begins."""
+STRIP_OF_HELD = 0.99
+"""The same of the smaller sets for held torques."""
 LARGEST = 0.2
 """Largest radius that is tried for a set without pushes [rad]."""
 LARGEST_OF_LAW = 6.5e-3
@@ -91,7 +95,7 @@ class NormPlans:
         error: float = 0.0,
     ):
         self.samples, self.w, self.matrix, self.error = samples, bandwidth, matrix, error
-        self.impact = 1.08 if held else IMPACT
+        self.impact = 1.06 if held else IMPACT
         inverse = np.linalg.inv(matrix)
         pair, inverse_pair = doubled(matrix), doubled(inverse)
         usual = float(lyapunov_rate(bandwidth))
@@ -119,9 +123,11 @@ class NormPlans:
         if samples.kick is not None:
             first, along, more = samples.kick
             self.kick = first @ matrix.T, matrix @ along @ inverse_pair, matrix @ more @ inverse
-        self.shrink = self.gamma / (4.25 * 1.1 * samples.pace)
+        # Four times the largest pace, in which outputs off zero have a part, bounds the shrinking.
+        pace = samples.pace * (4.08 * 1.04 if held else 4.25 * 1.1)
+        self.shrink, self.strip = self.gamma / pace, STRIP_OF_HELD if held else STRIP
         self.shape = np.exp(-self.shrink * samples.phase**2)
-        self.left = math.exp(-self.shrink * STRIP**2)
+        self.left = math.exp(-self.shrink * self.strip**2)
 
     def best(self) -> Plan:
         """Return the plan in which torques can be held the longest."""
@@ -134,7 +140,7 @@ class NormPlans:
     def plan(self, hold: float) -> Plan:
         """Return the set for a hold; its radius is 0 if there is none."""
         none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
-        full = 0.985  # Share of the set that an impact may fill.
+        full = 0.995  # Share of the set that an impact may fill.
         if not (hold > 0.0 and self.gamma > 0.0):
             return none
         bounds = self._hold_bounds(hold)
@@ -143,28 +149,36 @@ class NormPlans:
             return none
         # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep outputs.
         floor = 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
-        left = math.exp(-slower * self.shrink * STRIP**2)
+        left = math.exp(-slower * self.shrink * self.strip**2)
         growth = max(self.gain, 1.1) / full
         if growth * left >= 0.9:
             return none
         radius, kick = 0.0, Kick()
         for _ in range(4 if self.kick else 1):  # What an impact adds depends on the radius.
             kick = self._kicked(hold, bounds, floor + (radius - floor) * left, radius)
-            kicked = self.factor * hold * (kick.mean + self.rest) / full if self.kick else 0.0
-            radius = (growth * floor * (1.0 - left) + kicked) / (1.0 - growth * left)
+            radius = growth * floor * (1.0 - left) / (1.0 - growth * left)
+            if self.kick:
+                added = self.factor * hold * (kick.mean + self.rest) / full
+                decayed = math.exp(-0.5 * self.gamma * hold) * growth
+                kicked = (decayed * floor * (1.0 - left) + added) / (1.0 - decayed * left)
+                radius = max(radius, kicked)
         if radius > self.largest:
             return none
         bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.samples.phase**2)
         value, slope, pushed = self.slack
-        need = bound[:, None] * slope + (bounds.peak[0] + bounds.peak[1] * bound)[:, None] * pushed
+        contact, torque = slice(0, 3), slice(3, -2)  # The foot's two slacks are the last.
+        need = bound[:, None] * slope
+        if self.samples.law.in_xi.any():
+            need[:, torque] *= TORQUE_SPARE
+        need = need + (bounds.peak[0] + bounds.peak[1] * bound)[:, None] * pushed
         if not (HELD_SPARE * need <= value).all():
             return none
         # Phase until which contact has to stand the error that an impact makes under old torques.
-        early, contact = self.samples.phase <= 0.05, slice(0, 3)
+        early = self.samples.phase <= 0.05
         need = bound[:, None] * slope + kick.peak * pushed
         if not (HELD_SPARE * need <= value)[early, contact].all():
             return none
-        before = floor + (radius - floor) * math.exp(-slower * self.shrink * STRIP**2)
+        before = floor + (radius - floor) * math.exp(-slower * self.shrink * self.strip**2)
         push = bounds.push[0] + bounds.push[1] * radius
         if self.kick:
             push = max(push, 0.5 * self.gamma * hold * (kick.mean + self.rest))

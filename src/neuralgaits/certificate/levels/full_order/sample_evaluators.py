@@ -68,7 +68,7 @@ def set_of(
     plan_shares = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.
     if widest:
         half_width = 1.0 / 800.0  # The size of the widest set costs more boxes.
-        plan_shares = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
+        plan_shares = tuple(np.round(np.arange(1.0, 0.14, -0.025), 3).tolist())
     plan = None
     if samples is not None:
         plan = find_plan(samples, w, error) if pushed else find_widest(samples, w)
