@@ -62,10 +62,9 @@ def find_full_order(
     levels = np.linspace(0.0, 1.0, LEVELS)
     u = grid(np.linspace(0.0, 1.0, 81), levels)
     samples = evaluators.step(u, np.zeros((len(u), evaluators.size)))
-    gamma = float(lyapunov_rate(bandwidth))
+    gamma, crossing = float(lyapunov_rate(bandwidth)), _crossing(evaluators, levels)
     if (reason := _no_set(samples, gamma, bandwidth)) is not None:
         return reason
-    crossing = _crossing(evaluators, levels)
     if isinstance(crossing, str):
         return crossing
     limit, risen = _radius(samples, u[:, 0], gamma / (4.0 * MARGIN * samples["pace"].max()))
