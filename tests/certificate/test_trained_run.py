@@ -82,7 +82,7 @@ def test_a_program_of_ones_is_never_called_proved(tmp_path, trained, program, ta
     ]
     alone = check_proof(write(tmp_path, table))
     assert alone["verdict"] == "consistent"
-    assert "nothing says that this Program is the robot" in alone["reason"]
+    assert "whether that Program is of the robot" in alone["reason"]
     found = check_proof(write(tmp_path, table), run=trained.path)
     assert found["verdict"] == "rejected" and found["levels"] == []
 
