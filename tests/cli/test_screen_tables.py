@@ -17,6 +17,7 @@ from neuralgaits.cli import (
     robot_screen,
     screen,
 )
+from neuralgaits.cli.brief_check import brief_check
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import ROWS, show_facts, show_sentence, show_table
 from neuralgaits.records.certified import CertificateRecord
@@ -293,7 +294,7 @@ BRIEF = {
     "proof": (brief.brief_proof, CertificateRecord.of(PROOF)),
     "proof that is refuted": (brief.brief_proof, CertificateRecord.of(REFUTED)),
     "proof that is undecided": (brief.brief_proof, CertificateRecord.of(UNDECIDED)),
-    "check": (brief.brief_check, ProofCheck.of(CHECK)),
+    "check": (brief_check, ProofCheck.of(CHECK)),
     "training": (brief.brief_training, TrainingSummary.of(TRAINED | {"conditions": {}})),
     "fit": (brief.brief_fit, FitSummary.of(FIT)),
     "report": (brief.brief_report, ReportRecord.of(REPORT)),
@@ -368,7 +369,7 @@ def test_a_checked_proof_is_used_and_another_looked_for(
     run: str | None, verdict: str, ending: str, capsys: Captured, monkeypatch: Environment
 ) -> None:
     monkeypatch.setenv("COLUMNS", "2000")
-    brief.brief_check(ProofCheck.of(CHECK | {"run": run, "verdict": verdict}))
+    brief_check(ProofCheck.of(CHECK | {"run": run, "verdict": verdict}))
     assert capsys.readouterr().out.endswith(f"neuralgaits {ending}\n")
 
 
@@ -386,12 +387,12 @@ def test_a_proof_of_another_run_is_refused_in_one_line(
     monkeypatch.setenv("COLUMNS", "2000")
     table = CHECK | {"run": "runs/a", "verdict": "rejected", "boxes": 0}
     result = ProofCheck.of(table | {"reason": "; ".join(REASONS)})
-    brief.brief_check(result)
+    brief_check(result)
     first, *_ = capsys.readouterr().out.splitlines()
     assert first == f"rejected: {REASONS[0]}; 2 more reasons, -v prints all"
     proof_screen.show_check(result)
     assert capsys.readouterr().out.splitlines()[1:4] == [f"  {reason}" for reason in REASONS]
-    brief.brief_check(ProofCheck.of(table | {"reason": REASONS[1]}))
+    brief_check(ProofCheck.of(table | {"reason": REASONS[1]}))
     first, *_ = capsys.readouterr().out.splitlines()
     assert first == (
         "rejected: robot.xml: the run has sha256 0f0f0f0f0f0f..., the proof 1e1e1e1e1e1e..."
@@ -409,7 +410,7 @@ def test_after_a_proof_of_another_run_the_runs_own_is_checked(
         (PATH, f"check-proof {run} --run {run}"),
         (str(run / "certificate" / "proof.json"), f"certify {run}"),
     ):
-        brief.brief_check(ProofCheck.of(table | {"proof": proof}))
+        brief_check(ProofCheck.of(table | {"proof": proof}))
         assert capsys.readouterr().out.endswith(f"neuralgaits {ending}\n")
 
 
@@ -593,5 +594,5 @@ def test_each_number_of_boxes_says_which_it_is(capsys: Captured, monkeypatch: En
     brief.brief_proof(CertificateRecord.of(PROOF | {"proof": str(proof)}))
     count = boxes_of_proof(proof)
     assert f"{count} in the proof file (15703 bounded in the search)" in capsys.readouterr().out
-    brief.brief_check(ProofCheck.of(CHECK))
+    brief_check(ProofCheck.of(CHECK))
     assert "4402 bounded in the check" in capsys.readouterr().out

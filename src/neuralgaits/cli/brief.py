@@ -4,7 +4,6 @@ At most six lines each, long ones wrapped. `-v` prints the rest above them, `--j
 `hint` a line says so.
 """
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,24 +16,19 @@ from neuralgaits._printable import counted
 from neuralgaits.cli.screen_tables import number, percent, show_facts, show_sentence, verdict
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF, CertificateRecord
-from neuralgaits.records.checked import ProofCheck
 from neuralgaits.records.final_boxes import boxes_of_proof
 from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.level_words import FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary
-from neuralgaits.runs import RunFolder, packed, resolve
-from neuralgaits.runs.names import CONFIG
+from neuralgaits.runs import RunFolder
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import CertifySettings
 from neuralgaits.settings.forms import command_word
 from neuralgaits.settings.options import words_of
 
 _MORE = "-v prints more"
-_HASH = re.compile(r"\b([0-9a-f]{12})[0-9a-f]{52}\b")
-"""A sha256, of which a line shows the first digits."""
-_FIRST_DIGITS = r"\1..."
 
 
 def _hinted(text: str, hint: bool, joint: str = "; ") -> str:
@@ -176,7 +170,7 @@ def brief_proof(result: CertificateRecord, *, hint: bool = True) -> None:
             facts.append(("broken", f"{name}: margin {point.margin:.3g} at z = ({z})"))
             break
     if open_:
-        facts.append(("open", _list(sorted(open_, key=lambda n: entries[n].verdict != "refuted"))))
+        facts.append(("open", listed(sorted(open_, key=lambda n: entries[n].verdict != "refuted"))))
     above = next((one for one in result.levels if not one.proved), None)
     if above is not None and not open_:
         facts.append((f"level {above.level}", above.reason or above.verdict))
@@ -225,87 +219,6 @@ def _after_proof(result: CertificateRecord) -> str:
         return command("train", "ROBOT", "--certify")
 
 
-def _arithmetic(result: ProofCheck) -> str:
-    """Return in what arithmetic boxes were bounded."""
-    if result.arithmetic == "balls":
-        return "all in balls"
-    if result.boxes_in_balls:
-        return f"in doubles, {result.boxes_in_balls} in balls"
-    return "in doubles"
-
-
-def brief_check(result: ProofCheck, *, hint: bool = True) -> None:
-    """Print the verdict on a proof file, what it is about, and that it rests on assumptions."""
-    show_sentence(verdict(result.verdict), _why_no_better(result, hint))
-    levels = (f"level {one.level} {one.verdict}" for one in result.levels)
-    above = "".join(f", {level}" for level in levels)
-    unclaimed = f"; none of {_list(result.unclaimed)}" if result.unclaimed else ""
-    facts = [
-        ("about", f"{result.robot}, spec {result.spec}, weights {result.weights_sha256[:12]}..."),
-        ("claims", f"{len(result.statements)} bounds{above}{unclaimed}"),
-        (
-            "boxes",
-            f"{result.boxes} bounded in the check, {result.wall_s:.0f} s, {_arithmetic(result)}",
-        ),
-        ("assumes", _assumed(len(result.assumptions), hint)),
-        ("next", _after_check(result)),
-    ]
-    show_facts(facts)
-
-
-def _why_no_better(result: ProofCheck, hint: bool) -> str:
-    """Return the first reason for a verdict on a proof file, and how many there are."""
-    if not result.reason:
-        return ""
-    if result.verdict != "rejected":
-        return f": {result.reason}"
-    first, *others = result.reason.split("; ")
-    # The whole hashes of a file are for programs, in --json; -v has them, too.
-    line = f": {_HASH.sub(_FIRST_DIGITS, first)}"
-    if not others:
-        return line
-    return f"{line}; {counted(len(others), 'more reason')}, {_where(hint)}"
-
-
-def _where(hint: bool) -> str:
-    return "-v prints all" if hint else "listed above"
-
-
-def _assumed(count: int, hint: bool) -> str:
-    things = counted(count, "thing")
-    return f"{things}; -v prints them and every statement" if hint else f"{things}, listed above"
-
-
-def _after_check(result: ProofCheck) -> str:
-    """Return the command to give next: of a proof of a run, use it; otherwise, name the run."""
-    if result.run is None:
-        own = Path(result.proof).parent.parent
-        run = named(own) if (own / CONFIG).is_file() else "RUN"
-        return command("check-proof", named(result.proof), "--run", run)
-    if result.verdict != "proved":
-        return _after_refusal(result, result.run)
-    from neuralgaits.systems.family_tasks import family_of_run
-
-    if family_of_run(result.run) is not None:
-        # Not every family has an export.
-        return command("report", named(result.run))
-    return command("export", named(result.run), "--out", "build/c")
-
-
-def _after_refusal(result: ProofCheck, run: str) -> str:
-    """Return the command for a proof that does not prove its run: check the run's own, or make it.
-
-    A run whose own proof was refused is proved again.
-    """
-    try:
-        own = resolve(run).path / PROOF
-    except RunError:
-        return command("certify", named(run))
-    if packed.is_there(own) and own.resolve() != Path(result.proof).resolve():
-        return command("check-proof", named(run), "--run", named(run))
-    return command("certify", named(run))
-
-
 def brief_fit(result: FitSummary, *, hint: bool = True) -> None:
     """Print by how much a residual lowers the prediction error, and what error it leaves."""
     learned, nominal = result.heldout_error, result.nominal_heldout_error
@@ -350,12 +263,13 @@ def brief_report(result: ReportRecord, *, hint: bool = True) -> None:
 def _damaged(result: ReportRecord, hint: bool) -> str:
     """Return why one file could not be read, or the names of several."""
     if len(result.damaged) > 1:
-        return _hinted(_list(list(result.damaged)), hint)
+        return _hinted(listed(list(result.damaged)), hint)
     ((file, reason),) = result.damaged.items()
     return reason if reason.startswith(file) else f"{file}: {reason}"
 
 
-def _list(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Return the first names, and how many more there are."""
     named_at_most = 3  # Conditions that a line names before it counts.
     more = len(names) - named_at_most
     return ", ".join(names[:named_at_most]) + (f" and {more} more" if more > 0 else "")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from neuralgaits.cli.screen_tables import short, show_facts, show_sentence, show_table
+from neuralgaits.cli.screen_tables import percent, short, show_facts, show_sentence, show_table
 from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.record import Pair
 from neuralgaits.runs.shell_words import command, named
@@ -69,7 +69,7 @@ def _range(speeds: Pair | None) -> str:
 
 
 def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100.0 * share:.0f} %"
+    return "-" if share is None else percent(share, 0)
 
 
 def _left(error: float | None, nominal: float | None) -> str:

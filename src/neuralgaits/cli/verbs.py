@@ -30,6 +30,7 @@ from neuralgaits.cli.arguments import (
     ViewOptions,
 )
 from neuralgaits.cli.argv_parser import Verb, given, verb_name
+from neuralgaits.cli.brief_check import brief_check
 from neuralgaits.cli.family_outcome import outcome_of_family
 from neuralgaits.cli.given_verbs import carry_out_import, carry_out_optimise
 from neuralgaits.cli.learning_verbs import carry_out_episodes, carry_out_fit, carry_out_refine
@@ -170,7 +171,7 @@ def _check_proof(verb: CheckProofOptions) -> Outcome:
     verdict = result.verdict
     good = verdict in ("proved", "consistent")
     undecided = verdict == "undecided"
-    return Outcome(result, good, proof_screen.show_check, undecided, brief.brief_check)
+    return Outcome(result, good, proof_screen.show_check, undecided, brief_check)
 
 
 def _export(verb: ExportOptions) -> Outcome:
