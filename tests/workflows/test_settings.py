@@ -34,5 +34,5 @@ def test_only_what_makes_sense_passes(check, good, bad):
     for arguments in good:
         check(*arguments)
     for arguments in bad:
-        with pytest.raises(InputError, match=r"^expected .*found"):
+        with pytest.raises(InputError, match=r"^(--steps: )?expected .*found"):
             check(*arguments)
