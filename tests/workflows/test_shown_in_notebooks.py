@@ -16,7 +16,7 @@ from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.runs.plain import plain
 from neuralgaits.simulation.walk import Walk
 from neuralgaits.workflows.certify import CertifyResult
-from neuralgaits.workflows.simulate import Simulation
+from neuralgaits.workflows.simulation import Simulation
 from support.shipped_run import SHIPPED
 
 

@@ -52,7 +52,7 @@ from neuralgaits.settings import (
 from neuralgaits.settings.options import words_of
 
 if TYPE_CHECKING:
-    from neuralgaits.workflows.simulate import Simulation
+    from neuralgaits.workflows.simulation import Simulation
 
 
 def carry_out(verb: Verb) -> Outcome:

@@ -5,18 +5,21 @@ Nothing here is trusted: a bad choice makes a premise fail, not a false one hold
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.full_order.norm_plans import Plan
+from neuralgaits.certificate.levels.full_order.sampled_impacts import (
+    CROSSINGS,
+    MARGIN,
+    SampledImpacts,
+)
 from neuralgaits.certificate.levels.full_order.samples import (
     SampleEvaluators,
     Samples,
     slope_norms,
-    sphere,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
@@ -26,16 +29,10 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 
 LEVELS = 9
 """Number of levels of the tube at which the gait is evaluated."""
-CROSSINGS = (1e-9, 1e-8, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
-"""Half widths tried around the crossing of the guard at eta = 0, in phases."""
 CLEAR = 1e-12
 """Height of the foot before and behind the crossing [m]; it exceeds rounding errors."""
 LARGEST = 0.1
 """Largest radius that is tried [rad]."""
-MARGIN = 1.08
-"""Factor of a constant over the values seen at points."""
-AMPLE = 1.3
-"""Factor for an impact: the theorem has room there, and bounds cost the most."""
 DIGITS = 4
 """Significant digits of numbers that a statement gives exactly, for people to read."""
 ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
@@ -80,7 +77,7 @@ def find_full_order(
     if slowest <= 0.0 or strip is None:
         return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
     guard_radius = _bound_at_phase(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
-    impacts = _Impacts.sample(evaluators, levels, crossing, strip, guard_radius, plan)
+    impacts = SampledImpacts.sample(evaluators, levels, crossing, strip, guard_radius, plan)
     start_strip = float(at_most(1.2 * impacts.landing_at(guard_radius), DIGITS))
     samples = _with_strips(samples, evaluators, levels, start_strip, strip)
     barriers = (_barrier(k, n, samples, impacts, gamma, radius, plan) for k, n in enumerate(names))
@@ -95,11 +92,7 @@ def find_full_order(
         risen=risen,
         pace=(0.8 * float(slowest), most),
         inertia=0.5 * float(samples["inertia"].min()),
-        mismatch=impacts.mismatch,
-        drift=impacts.drift,
-        gain=impacts.gain,
-        landing=impacts.landing,
-        landing_slope=impacts.landing_slope,
+        **impacts.constants,
         barriers=tuple(barriers),
         least_radius=floor,
         weights=plan.weights if plan else (),
@@ -113,62 +106,6 @@ def _no_set(samples: Samples, gamma: float, bandwidth: float) -> str | None:
     if gamma <= min(ALPHAS):
         return f"outputs with a double pole at {bandwidth:g} rad/s come back too slowly"
     return None
-
-
-@dataclass(frozen=True)
-class _Impacts:
-    """Impacts from eta = 0 on phase 1 and around it, and from outputs on the rim of the set."""
-
-    line: Samples
-    crossing: Samples
-    rim: Samples
-    ample: float
-
-    @classmethod
-    def sample(
-        cls,
-        evaluators: SampleEvaluators,
-        levels: np.ndarray,
-        crossing: float,
-        strip: float,
-        radius: float,
-        plan: Plan | None,
-    ) -> "_Impacts":
-        line = grid(np.array([1.0]), levels)
-        near = grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
-        edge = grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
-        return cls(
-            evaluators.guard(line, np.zeros((len(line), evaluators.size))),
-            evaluators.guard(near, np.zeros((len(near), evaluators.size))),
-            evaluators.guard(edge, sphere(len(edge), evaluators.size, radius)),
-            AMPLE if plan is None else plan.planned.impact,
-        )
-
-    @property
-    def mismatch(self) -> float:
-        rounding = 1e-6  # Most that float64 bounds lose at an impact [rad].
-        return MARGIN * float(np.linalg.norm(self.line["after"], axis=1).max()) + rounding
-
-    @property
-    def drift(self) -> float:
-        return AMPLE * float(np.linalg.norm(self.crossing["drift"], axis=1).max())
-
-    @property
-    def gain(self) -> float:
-        squares = (self.rim["after/slope"] ** 2).sum(axis=(1, 2))
-        return self.ample * float(np.sqrt(squares.max()))
-
-    @property
-    def landing(self) -> float:
-        return 1.5 * float(np.abs(self.crossing["landing"]).max()) + CROSSINGS[0]
-
-    @property
-    def landing_slope(self) -> float:
-        return AMPLE * float(slope_norms(self.rim, "landing").max())
-
-    def landing_at(self, radius: float) -> float:
-        """Return the bound on the landing for outputs of this size."""
-        return self.landing + self.landing_slope * radius
 
 
 def _with_strips(
@@ -267,7 +204,7 @@ def _barrier(
     k: int,
     name: str,
     step: Samples,
-    impacts: _Impacts,
+    impacts: SampledImpacts,
     gamma: float,
     radius: float,
     plan: Plan | None,
