@@ -7,8 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neuralgaits.barriers import Box
+from neuralgaits.gait.commands import Command
 from neuralgaits.training import Sampler
-from neuralgaits.training.sampling import contains
+from neuralgaits.training.sampling import beyond_range, contains
 from support.small_spec import REGIONS, SAMPLES
 
 
@@ -85,3 +86,20 @@ def test_a_box_across_two_is_in_neither():
     halves = (Box((0.0, 0.0), (0.5, 1.0)), Box((0.5, 0.0), (1.0, 1.0)))
     assert not contains(halves, (Box((0.4, 0.0), (0.6, 1.0)),))
     assert contains(halves, halves)
+
+
+@pytest.mark.parametrize(
+    ("command", "beyond"),
+    [
+        (Command("speed", 0.5, 1.0, 0.06), 0.05),
+        # A narrow range is widened by more: orbits are slower than trained for by some per cent.
+        (Command("speed", 0.70, 0.72, 0.0024), 0.04 * 0.72),
+        (Command("slope", -0.05, 0.05, 0.01), 0.01),
+    ],
+)
+def test_training_goes_beyond_a_range(command, beyond):
+    assert beyond_range(command, 0.1) == pytest.approx(beyond)
+    plan = Sampler.plan(REGIONS, SAMPLES, commands=(command,), widened=0.1)
+    np.testing.assert_allclose(plan.ends[:, 0], [command.low - beyond, command.high + beyond])
+    narrow = Sampler.plan(REGIONS, SAMPLES, commands=(command,))
+    np.testing.assert_allclose(narrow.ends[:, 0], [command.low, command.high])

@@ -18,18 +18,22 @@ from neuralgaits.gait.command_polynomials import CURVE_TERMS, plain_curves
 from neuralgaits.gait.commands import Number
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.training.sampling import beyond_range
 
 KNOTS = 9
 """Number of commands at which orbits are searched for."""
 
 
-def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) -> CommandedGait:
+def calibrated(
+    gait: CommandedGait, robot: PlanarBiped, residuals: Residuals, widened: float
+) -> CommandedGait:
     """Return the family with a curve for its speed; itself if it takes no speed.
 
     Args:
         gait: trained gait, with curves that do nothing.
         robot: its robot.
         residuals: residuals learned for the robot.
+        widened: that of the recipe it was trained with.
     """
     names = [c.name for c in gait.commands]
     if "speed" not in names:
@@ -37,9 +41,7 @@ def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) ->
     at, plain = names.index("speed"), plain_curves(gait.commands)
     command = gait.commands[at]
     middle, half = command.middle, command.half
-    # Training range of a family beyond the range of a speed, in units of half of that range: twice
-    # the share `widened` of the recipe.
-    beyond = 0.2
+    beyond = beyond_range(command, widened) / half
     places = np.linspace(-1.0 - beyond, 1.0 + beyond, KNOTS)
     speeds = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
     rising = rising_part(speeds)
