@@ -61,6 +61,7 @@ class FamilyVerbs(FileVerbs):
             out=out,
             root=root,
             progress=lambda step, loss: progress.trained(step, config.steps, loss),
+            begun=progress.begun,
         )
         trained = run.summary
         if certify:

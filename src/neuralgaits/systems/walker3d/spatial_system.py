@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from typing_extensions import override
 
+from neuralgaits._digits import percent
 from neuralgaits._types import Array, Float
 from neuralgaits.certificate.chart import Axis
 from neuralgaits.errors import RunError
@@ -195,8 +196,8 @@ class SpatialSystem(ExportedSystem):
         forward, aside = done.inlet_momenta
         return (
             f"{done.speed_m_s:.2f} m/s, steps of {done.step_m:.3f} m; at their start within "
-            f"{1e3 * done.inlet_m:.3g} mm aside, {forward:.1%} of the momentum forward, and "
-            f"{aside:.1%} of it aside"
+            f"{1e3 * done.inlet_m:.3g} mm aside, {percent(forward, 1)} of the momentum "
+            f"forward, and {percent(aside, 1)} of it aside"
         )
 
     def margins(self, run: FamilyRun, u: Float[Array, "4"]) -> Mapping[str, Array]:
