@@ -64,7 +64,7 @@ def _row(name: str, value: float, inside: bool, words: str, changed: bool) -> st
     hint = html.escape("; ".join(filter(None, (name, words, place))))
     # A touch screen shows no hint: the name by which screens and pages call it is always there.
     called = (
-        f' <code style="font-size:11px;background:none;padding:0;{QUIET.css}">'
+        f' <code style="display:inline-block;font-size:11px;background:none;padding:0;{QUIET.css}">'
         f"{html.escape(name)}</code>"
         if words
         else ""
