@@ -55,6 +55,7 @@ def draw(
         axes.set_ylabel("height [m]")
         axes.set_yticks(np.arange(0.0, tall, 0.5))
         axes.set_xticks([])
+        axes.tick_params(axis="y", length=0.0)
         for side in ("bottom", "left"):
             axes.spines[side].set_visible(False)
         axes.label_outer()
