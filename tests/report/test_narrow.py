@@ -34,6 +34,7 @@ def check_panels(figure: Figure) -> None:
     panels = [axes for axes in figure.axes if axes.get_subplotspec() is not None]
     boxes = [axes.get_tightbbox(FigureCanvasAgg(figure).get_renderer()) for axes in panels]
     for above, below in itertools.pairwise(boxes):
+        assert above is not None and below is not None
         assert above.y0 >= below.y1 - 1.0
     titles = [axes.get_title(loc="left") for axes in panels]
     letters = [title[0] for title in titles if re.match(r"[a-z]\)", title)]

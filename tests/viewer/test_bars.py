@@ -42,8 +42,8 @@ def test_a_bar_says_what_its_condition_states_and_its_name():
     margins = Margins(np.array([1.0, 1.0]), np.array([True, False]))
     page = bars.render(["one", "two"], margins, {"one": 'torso < "upright"; slowly'})
     assert 'title="one; torso &lt; &quot;upright&quot;; slowly; z is in its region"' in page
-    label, name = re.search(r">(torso[^<]*)</span> <code[^>]*>([^<]*)</code></span>", page).groups()
-    assert (label, name) == ("torso &lt; &quot;upright&quot;", "one")
+    (found,) = re.findall(r">(torso[^<]*)</span> <code[^>]*>([^<]*)</code></span>", page)
+    assert found == ("torso &lt; &quot;upright&quot;", "one")
     assert 'title="two; z is outside of its region: read near it"' in page
     # Where there are no words the name is the label, once.
     assert ">two</span>" in page and page.count("two") == 2

@@ -52,7 +52,8 @@ def make_narrow(figure: Figure) -> None:
     if not bars:
         heights = [sum(pair) for pair in zip(heights, below, strict=True)]
     grid = GridSpec(len(panels), 1, figure, height_ratios=heights)
-    for axes, cell in zip(panels, grid, strict=True):
+    for row, axes in enumerate(panels):
+        cell = grid[row, 0]
         # In a grid of its own a panel has margins of its own. A bar of several panels needs one.
         axes.set_subplotspec(cell if bars else cell.subgridspec(1, 1)[0])
 
@@ -79,6 +80,9 @@ def _height(axes: Axes, height: float, shrunk: float) -> float:
         height: what it had.
         shrunk: its width as a share of what it was.
     """
+    if not axes.axison:
+        # Room for a legend.
+        return min(height, 0.8)
     # Poses keep their proportions; curves may be steeper, and no panel is much of a screen.
     scaled = height * (shrunk if axes.get_aspect() != "auto" else shrunk**0.4)
     # Names of rows do not touch each other; numbers at ticks are fewer.
@@ -98,7 +102,7 @@ def _number_all(panels: Sequence[Axes]) -> None:
 
 def _wrap_labels(axes: Axes, height: float) -> None:
     axes.set_xlabel(_wrapped(axes.get_xlabel(), NARROW_IN - 0.6))
-    axes.set_ylabel(_wrapped(axes.get_ylabel(), height - 0.4))
+    axes.set_ylabel(_wrapped(axes.get_ylabel(), max(height - 0.4, 0.8)))
     for where in ("left", "center"):
         axes.set_title(_wrapped(axes.get_title(loc=where), NARROW_IN - 0.6), loc=where)
 

@@ -4,6 +4,7 @@ import math
 
 from neuralgaits._digits import percent
 from neuralgaits.records.simulated import disturbances
+from neuralgaits.runs.shell_words import command, named
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.walker3d.spatial_walks import SpatialWalks
 
@@ -38,5 +39,6 @@ def screen_of_walks(found: SpatialWalks) -> Screen:
             *_heading(found),
             ("disturbed", ", ".join(changed) or "by nothing"),
             ("run", found.run),
+            ("next", command("report", named(found.run))),
         ],
     )
