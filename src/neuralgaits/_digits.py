@@ -25,6 +25,11 @@ def _rounded(value: float, digits: int, side: str) -> str:
     return f"{float(rounded):.{digits}g}"
 
 
+def percent(share: float, digits: int) -> str:
+    """Format a share with so many digits behind the point, as in 6.4 %."""
+    return f"{100.0 * share:.{digits}f} %"
+
+
 def decimal(text: str | float) -> float:
     """Return a number given as such, or as text in plain decimal notation.
 

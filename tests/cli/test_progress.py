@@ -15,6 +15,7 @@ import neuralgaits
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import CheckProgress, ProofProgress, TrainingProgress, WorkProgress
 from neuralgaits.errors import InputError
+from neuralgaits.settings import Watch
 
 SOURCE = Path(neuralgaits.__file__).parents[1]
 COLUMNS = 80
@@ -128,6 +129,30 @@ def test_a_search_that_stands_still_says_so_now_and_then(
     for _ in range(300):
         progress(0.99, 7)
     assert len(capsys.readouterr().err.splitlines()) == 10
+
+
+def test_a_training_says_without_a_terminal_that_it_compiles(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One line once it begins, none under --json; what is refused before has only its own."""
+
+    def begins(*_: object, watch: Watch, **__: object) -> None:
+        assert watch.begun is not None
+        watch.begun()
+        raise InputError("refused later")
+
+    monkeypatch.setattr(import_module("neuralgaits.workflows.train"), "train", begins)
+    monkeypatch.setattr(
+        import_module("neuralgaits.workflows.train_seeds"),
+        "train_seeds",
+        lambda *_, begun, **__: begins(watch=Watch(begun=begun)),
+    )
+    for words in (["train", "amber3m"], ["train", "amber3m", "--seeds", "0:2"]):
+        assert main(words) == 2
+        begun, refused = capsys.readouterr().err.splitlines()
+        assert begun.startswith("compiling, ") and refused == "neuralgaits: refused later"
+        assert main([*words, "--json"]) == 2
+        assert capsys.readouterr() == ("", "neuralgaits: refused later\n")
 
 
 def test_work_without_countable_steps_has_one_line_without_a_terminal(

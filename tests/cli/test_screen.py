@@ -175,7 +175,7 @@ def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) ->
         TrainingSummary(run="runs/a", steps=9, loss=0.0, conditions=conditions, wall_s=1.0)
     )
     out = capsys.readouterr().out
-    assert "1 of 2 conditions fail" in out
+    assert "the gait failed: 1 of 2 conditions does not hold on fresh samples" in out
     assert "torso-upper" in out
     assert "step-length" not in out
     assert "1.5e-07" in out
@@ -194,12 +194,14 @@ def test_a_run_that_fails_says_how_to_train_it_again(
     out = capsys.readouterr().out
     # Not twice the two steps that it had: its spec asks for more.
     recipe = small_run.config.recipe_steps
-    assert recipe > 4 and re.search(rf"train longer .*--steps {recipe} ", out)
-    assert "another seed" in out and "--seed 1" in out
-    # The last lines say in words how it ended, and the command to give next.
-    result, following = out.splitlines()[-2:]
+    # The last lines say in words how it ended, and the command to give next. Each is there once.
+    result, following, seed, loosen = out.splitlines()[-4:]
     assert "the gait failed: 1 of 1 condition does not hold" in result
-    assert re.match(rf"next +neuralgaits train .*--steps {recipe} ", following)
+    assert recipe > 4 and re.match(rf"next +neuralgaits train .*--steps {recipe} ", following)
+    assert re.match("or a seed +neuralgaits train .*--seed 1$", seed)
+    assert loosen.startswith("or loosen ")
+    assert len(re.findall("fail(?!s )|not hold", out)) == 2  # Both in one line.
+    assert out.count(f"--steps {recipe} ") == 1
 
 
 def test_of_a_gait_that_was_given_no_spec_is_to_be_loosened(

@@ -376,7 +376,7 @@ def test_a_checked_proof_is_used_and_another_looked_for(
 REASONS = (
     "the proof is about robot 'amber3m', the run about 'heron'",
     f"robot.xml: the run has sha256 {'0f' * 32}, the proof {'1e' * 32}",
-    "policy.network.weights[2]: the Program's numbers are not those of policy.safetensors",
+    "policy.network.weights[2]: the Program's numbers are not those of a; b.safetensors",
 )
 
 
@@ -386,12 +386,16 @@ def test_a_proof_of_another_run_is_refused_in_one_line(
     """The first reason, names before hashes; -v lists all of them, and so does --json."""
     monkeypatch.setenv("COLUMNS", "2000")
     table = CHECK | {"run": "runs/a", "verdict": "rejected", "boxes": 0}
-    result = ProofCheck.of(table | {"reason": "; ".join(REASONS)})
+    result = ProofCheck.of(table | {"reason": "; ".join(REASONS), "reasons": [*REASONS]})
     brief_check(result)
     first, *_ = capsys.readouterr().out.splitlines()
     assert first == f"rejected: {REASONS[0]}; 2 more reasons, -v prints all"
     proof_screen.show_check(result)
     assert capsys.readouterr().out.splitlines()[1:4] == [f"  {reason}" for reason in REASONS]
+    # One reason is one, whatever signs are in it.
+    brief_check(ProofCheck.of(table | {"reason": REASONS[2]}))
+    first, *_ = capsys.readouterr().out.splitlines()
+    assert first == f"rejected: {REASONS[2]}"
     brief_check(ProofCheck.of(table | {"reason": REASONS[1]}))
     first, *_ = capsys.readouterr().out.splitlines()
     assert first == (
@@ -547,7 +551,7 @@ def test_violations_left_out_are_smaller(capsys: Captured) -> None:
     screen.show_training(TrainingSummary.of(TRAINED))
     out = capsys.readouterr().out
     # Condition 0 is not broken; 26 down to 15 are shown; 14 is the worst of the rest.
-    assert "26 of 27 conditions fail" in out
+    assert "the gait failed: 26 of 27 conditions do not hold" in out
     assert "and 14 more, by 1.4 at most" in out
 
 

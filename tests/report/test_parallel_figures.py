@@ -1,7 +1,7 @@
 """Figures are the same whoever writes them, and a process that cannot write them loses none."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -24,7 +24,7 @@ def _sheets(folder: Path) -> list[FigureFile]:
     return sheets
 
 
-def _files(paths: list[tuple[Path, Path]]) -> Iterator[tuple[str, bytes]]:
+def _files(paths: Sequence[Sequence[Path]]) -> Iterator[tuple[str, bytes]]:
     for pair in paths:
         for path in pair:
             yield path.name, path.read_bytes()
@@ -38,7 +38,7 @@ def test_two_processes_write_what_one_does(tmp_path: Path) -> None:
         both = list(_files(write_all(_sheets(tmp_path / "two"), pen)))
         assert pen is not None and pen.returncode == 0
     assert [name for name, _ in both] == [
-        f"figure-{n}.{e}" for n in range(3) for e in ("png", "svg")
+        f"figure-{n}{e}" for n in range(3) for e in (".png", ".svg", "-narrow.svg")
     ]
     assert both == alone
 

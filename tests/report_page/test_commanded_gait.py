@@ -190,7 +190,7 @@ def test_a_level_of_a_part_rests_on_those_below_it():
 
 
 def test_the_figure_stands_there_and_nowhere_else(commanded, tmp_path):
-    files = tmp_path / "a.png", tmp_path / "a.svg"
+    files = tmp_path / "a.png", tmp_path / "a.svg", tmp_path / "a-narrow.svg"
     for file in files:
         file.write_bytes(b"a picture")
     drawn = [

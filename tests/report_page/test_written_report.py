@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.report.drawing import style
 from neuralgaits.report.page.document import MOST_BYTES
 from neuralgaits.report.shown_walk import FILE
 from neuralgaits.workflows.report import write_report
@@ -265,13 +266,51 @@ def test_charts_stand_beside_each_other_on_a_desk_and_fit_a_telephone(opened):
               return [Math.round(box.left), Math.round(box.right)]; }})"""
         )
 
-    # On a telephone charts are larger than the boxes in which they are moved sideways.
-    wide, narrow = places(opened(1440), "img"), places(opened(390), ".scroll")
+    wide, narrow = places(opened(1440), "img"), places(opened(390), "img")
     assert len({left for left, _ in wide}) == 2
     assert min(right - left for left, right in wide) > 600
     assert len({left for left, _ in narrow}) == 1
     # As wide as the text, which leaves the same margin on either side.
     assert {(left, 390 - right) for left, right in narrow} == {(18, 18)}
+
+
+def test_columns_of_charts_end_at_one_height(opened):
+    page = opened(1440)
+    _until(page, "document.readyState === 'complete'")
+    figures = page.evaluate(
+        """[...document.querySelectorAll('.figures figure')].map((one) => {
+          const box = one.getBoundingClientRect();
+          return [Math.round(box.left), box.bottom, one.querySelector('.scroll').ariaLabel]; })"""
+    )
+    left = min(place for place, *_ in figures)
+    first, second = (
+        max(bottom for place, bottom, _ in figures if (place == left) is is_left)
+        for is_left in (True, False)
+    )
+    assert abs(first - second) < 100.0
+    # The first of them stays the first.
+    assert figures[0][2] == opened(390).locator(".figures .scroll").first.get_attribute(
+        "aria-label"
+    )
+
+
+def test_letters_of_charts_can_be_read_on_a_telephone(opened):
+    """Panels stand below one another there; nothing is moved sideways to be seen."""
+    page = opened(390)
+    shown = page.evaluate(
+        """[...document.querySelectorAll('figure img')].map((one) => {
+          const inside = parseFloat(getComputedStyle(one).paddingLeft) * 2 + 2;
+          return [one.currentSrc.startsWith('data:image/svg'), one.naturalWidth,
+            one.clientWidth - inside, one.closest('.scroll').scrollWidth]; })"""
+    )
+    assert len(shown) > 5
+    for is_svg, natural, width, scrolled in shown:
+        smallest_px = style.SMALL_PT * 96.0 / 72.0
+        assert is_svg and smallest_px * width / natural > 10.0
+        assert scrolled <= 390
+    page.emulate_media(media="print")
+    wide = "document.querySelector('figure img').naturalWidth"
+    _until(page, f"{wide} > {style.WIDTH_IN * 90.0}")
 
 
 def test_a_chart_is_enlarged_on_a_telephone_and_made_smaller_again(opened):
@@ -284,14 +323,14 @@ def test_a_chart_is_enlarged_on_a_telephone_and_made_smaller_again(opened):
         """Wait until the chart is cut and says so, or neither; the image may still be decoded."""
         _until(page, f"{cut}.every((one) => one === {str(wanted).lower()})")
 
+    cut_and_said(False)
+    assert button.text_content() == "Enlarge"
+    button.click()
     cut_and_said(True)
     assert button.text_content() == "Smaller"
     assert button.get_attribute("aria-label") == f"Smaller: {box.get_attribute('aria-label')}"
     button.click()
     cut_and_said(False)
-    assert button.text_content() == "Enlarge"
-    button.click()
-    cut_and_said(True)
 
 
 @pytest.mark.parametrize("width", WIDTHS)

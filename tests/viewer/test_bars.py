@@ -37,13 +37,16 @@ def test_names_of_a_users_conditions_are_text():
     assert "&lt;script&gt;" in page
 
 
-def test_a_bar_says_what_its_condition_states_and_its_hint_the_name():
+def test_a_bar_says_what_its_condition_states_and_its_name():
+    """Both without a hint, which a touch screen does not show."""
     margins = Margins(np.array([1.0, 1.0]), np.array([True, False]))
     page = bars.render(["one", "two"], margins, {"one": 'torso < "upright"; slowly'})
     assert 'title="one; torso &lt; &quot;upright&quot;; slowly; z is in its region"' in page
-    assert ">torso &lt; &quot;upright&quot;</span>" in page
+    (found,) = re.findall(r">(torso[^<]*)</span> <code[^>]*>([^<]*)</code></span>", page)
+    assert found == ("torso &lt; &quot;upright&quot;", "one")
     assert 'title="two; z is outside of its region: read near it"' in page
-    assert ">two</span>" in page
+    # Where there are no words the name is the label, once.
+    assert ">two</span>" in page and page.count("two") == 2
 
 
 def test_bars_of_another_robot_than_the_files_say_so_and_have_no_colour():

@@ -46,6 +46,10 @@ def test_on_a_phone_the_controls_leave_the_upper_half_to_the_robot(live, browser
     assert sheet["y"] >= page_style.SCENE_SHARE * 844 - 1.0
 
 
+def test_the_tab_names_the_robot(page):
+    assert page.title() == "Neural Gaits: amber3m"
+
+
 def test_the_answer_and_its_limits_are_in_view_without_a_click(page):
     page.get_by_text("The proof file states level 3 of 5.").wait_for(timeout=300_000)
     page.get_by_text("Inside the proved walking set of level 2: yes, margin 0.").wait_for(

@@ -59,7 +59,7 @@ def test_the_legend_names_the_ball_and_says_what_pale_and_dark_mean(server):
     assert "ball: the robot now" in words and "linear-gradient" in words
     assert "least margin of all conditions" in words and "0.50 or more" in words
     assert "undecided" not in words and "violated" not in words
-    assert "Click to put the robot there." in chart._plane.content
+    assert "Click to put the robot there, or type z1, z2 below" in chart._plane.content
     broken = PhaseChart(server.gui)
     broken.fill(small_portrait(BoxAnswer.REFUTED, -0.5), lambda client, z: None)
     assert "violated" in broken._legend.content

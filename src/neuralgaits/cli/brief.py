@@ -11,9 +11,9 @@ from typing import Any
 from rich.text import Text
 
 from neuralgaits._commands import KNOWN_COMMANDS
-from neuralgaits._digits import at_least
+from neuralgaits._digits import at_least, percent
 from neuralgaits._printable import counted
-from neuralgaits.cli.screen_tables import number, percent, show_facts, show_sentence, verdict
+from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, verdict
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.final_boxes import boxes_of_proof

@@ -48,7 +48,7 @@ def _why_no_better(result: ProofCheck, hint: bool) -> str:
         return ""
     if result.verdict != "rejected":
         return f": {result.reason}"
-    first, *others = result.reason.split("; ")
+    first, *others = result.reasons or (result.reason,)
     # Of a sha256 the first digits: the whole ones are in --json, for programs, and on -v.
     line = ": " + re.sub(r"\b([0-9a-f]{12})[0-9a-f]{52}\b", r"\1...", first)
     if not others:

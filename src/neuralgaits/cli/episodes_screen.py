@@ -4,7 +4,8 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from neuralgaits.cli.screen_tables import percent, short, show_facts, show_sentence, show_table
+from neuralgaits._digits import percent
+from neuralgaits.cli.screen_tables import short, show_facts, show_sentence, show_table
 from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.record import Pair
 from neuralgaits.runs.shell_words import command, named

@@ -51,7 +51,7 @@ def _progress(name: str, quiet: bool) -> Iterator[ProgressCallbacks]:
 
     if name == "train":
         with TrainingProgress(quiet) as training:
-            yield ProgressCallbacks(trained=training, proved=training.proved)
+            yield ProgressCallbacks(trained=training, proved=training.proved, begun=training.begun)
     elif name == "certify":
         with ProofProgress(quiet) as proof:
             yield ProgressCallbacks(proved=proof)

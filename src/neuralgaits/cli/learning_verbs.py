@@ -49,7 +49,7 @@ def carry_out_refine(verb: RefineOptions) -> Outcome:
     from neuralgaits.workflows.refine import refine
 
     with TrainingProgress(quiet=verb.output.json) as progress:
-        watch = Watch(progress.proved, progress.round_ended)
+        watch = Watch(progress.proved, progress.round_ended, begun=progress.begun)
         run = refine(**given(verb, RefineSettings, progress=progress, watch=watch))
     summary = run.summary
     show = None if summary.broken else brief_training

@@ -1,6 +1,7 @@
 """Answers of the monitor about walks, as a table for a person, on stdout."""
 
-from neuralgaits.cli.screen_tables import number, percent, show_sentence, show_table
+from neuralgaits._digits import percent
+from neuralgaits.cli.screen_tables import number, show_sentence, show_table
 from neuralgaits.records.monitored import MonitorFigures
 
 

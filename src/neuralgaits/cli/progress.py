@@ -81,6 +81,11 @@ class TrainingProgress(_OnTerminal):
         self._next_line = 0.0
         self._first: tuple[int, float] | None = None
 
+    def begun(self) -> None:
+        """Say without a terminal why no step is shown yet."""
+        if not self._drawn:
+            self._line("compiling, which takes ten seconds or more; then steps are shown")
+
     def __call__(self, step: int, total: int, loss: float) -> None:
         """Show that `step` of `total` gradient steps are done, with the loss at that step."""
         if self._drawn:

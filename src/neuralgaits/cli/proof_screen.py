@@ -78,10 +78,9 @@ def show_check(result: ProofCheck) -> None:
 
     All reasons for a rejection are shown if there are several: the short screen has the first.
     """
-    reasons = (result.reason or "").split("; ")
-    if result.verdict == "rejected" and len(reasons) > 1:
+    if result.reasons:
         show_sentence("rejected because")
-        for reason in reasons:
+        for reason in result.reasons:
             show_sentence(reason, indent=_INDENT, hang=_INDENT)
     weights = f"weights of sha256 {result.weights_sha256[:12]}..."
     show_sentence(f"claims for {result.robot}, spec {result.spec}, {weights}")

@@ -8,12 +8,12 @@ from typing import Any
 
 from rich.text import Text
 
+from neuralgaits._digits import percent
 from neuralgaits._printable import counted
 from neuralgaits.cli.monitor_screen import show_monitor
 from neuralgaits.cli.screen_tables import (
     ROWS,
     number,
-    percent,
     show_facts,
     show_sentence,
     show_table,
@@ -25,27 +25,28 @@ from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingProof, TrainingSummary
 from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.shell_words import PROGRAM, command
+from neuralgaits.runs.shell_words import command
 
 
 def show_training(result: TrainingSummary) -> None:
-    """Show which conditions fail and what to do next, or what the short screen leaves out."""
+    """Show which conditions fail and what to do next, or what the short screen leaves out.
+
+    The verdict and the command to give next stand at the end, where a reader looks first.
+    """
     broken, mend = result.broken, []
     if broken:
-        count = Text(f"{len(broken)} of {len(result.conditions)} conditions fail", "yellow")
-        show_sentence(count, " somewhere on fresh samples")
         worst = sorted(broken.items(), key=lambda item: -item[1].max_violation)
         rows = [
             (name, number(entry.mean_violation), number(entry.max_violation))
             for name, entry in worst
         ]
         show_table(
-            ("condition", "mean violation, in scales", "max violation, in scales"), rows[:ROWS]
+            ("condition that fails", "mean violation, in scales", "max violation, in scales"),
+            rows[:ROWS],
         )
         if len(rows) > ROWS:
             show_sentence(f"and {len(rows) - ROWS} more, by {rows[ROWS][2]} at most")
         mend = _to_mend(result, worst[0][0])
-        show_facts(mend)
     if result.certificate is not None:
         show_sentence(_proof_of_training(result.certificate))
     facts = [(name, getattr(result, name)) for name in ("robot", "spec", "seed")]
@@ -65,13 +66,16 @@ def show_training(result: TrainingSummary) -> None:
         facts.append(("run", result.run))
         what = counted(len(result.conditions), "condition")
         failed = f"{len(broken)} of {what} {'does' if len(broken) == 1 else 'do'} not hold"
-        facts.append(("result", f"the gait failed: {failed} on fresh samples"))
-        facts += [("next", line) for _, line in mend if line.startswith(f"{PROGRAM} ")][:1]
+        said = Text.assemble(("the gait failed", "yellow"), f": {failed} on fresh samples")
+        facts += [("result", said), *mend]
     show_facts(facts)
 
 
 def _to_mend(result: TrainingSummary, worst: str) -> list[tuple[str, str]]:
-    """Return what to do about failing conditions; only general advice if the run is missing."""
+    """Return what to do about failing conditions, the command to try first ahead of the others.
+
+    If the run is missing, it is only general advice.
+    """
     # Imported here: few commands need it.
     from neuralgaits.report.page import repeat_commands
 
@@ -81,8 +85,8 @@ def _to_mend(result: TrainingSummary, worst: str) -> list[tuple[str, str]]:
     try:
         folder = RunFolder.open(Path(result.run))
         commands = [
-            ("train longer", repeat_commands.longer(folder)),
-            ("another seed", repeat_commands.another_seed(folder)),
+            ("next", repeat_commands.longer(folder)),
+            ("or a seed", repeat_commands.another_seed(folder)),
         ]
         if config_of(folder).given is not None:
             # Its spec is no choice of the user's; a trained policy meets its start as it is made.

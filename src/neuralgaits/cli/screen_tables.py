@@ -116,11 +116,6 @@ def number(value: Any) -> str:
     return "-" if value is None else visible(str(value))
 
 
-def percent(share: float, digits: int) -> str:
-    """Format a share with so many digits behind the point, as in 6.4 %."""
-    return f"{100.0 * share:.{digits}f} %"
-
-
 def short(value: float | None) -> str:
     """Format a number with three digits, - for None."""
     return "-" if value is None else f"{value:.3g}"

@@ -43,7 +43,7 @@ def carry_out_seeds(verb: TrainOptions) -> Outcome:
     from neuralgaits.workflows.train_seeds import train_seeds
 
     with TrainingProgress(quiet=verb.output.json) as progress:
-        others = {"progress": progress, "doubted": progress.say}
+        others = {"progress": progress, "doubted": progress.say, "begun": progress.begun}
         summary = train_seeds(**given(verb, TrainSeedsSettings, **others))
     return Outcome(summary.summary, not summary.summary.refused, show_seeds)
 

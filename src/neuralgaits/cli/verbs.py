@@ -80,7 +80,7 @@ def _train(verb: TrainOptions) -> Outcome:
 
     resume = None if verb.resume is None else _run_to_resume(verb.resume, verb.output.json)
     with TrainingProgress(quiet=verb.output.json) as progress:
-        watch = Watch(progress.proved, progress.round_ended, progress.say)
+        watch = Watch(progress.proved, progress.round_ended, progress.say, progress.begun)
         others = {"resume": resume, "progress": progress, "watch": watch}
         run = train(**given(verb, TrainSettings, **others))
     summary = run.summary

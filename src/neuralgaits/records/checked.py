@@ -20,6 +20,7 @@ class ProofCheck(Record):
         robot, spec, weights_sha256: subject of the file.
         verdict: "proved" with a run, "consistent" without; otherwise "rejected" or "undecided".
         reason: why the verdict is not better; None if proved.
+        reasons: each reason of a rejection that has several; `reason` has all in one line.
         statements: statements of the file, in words.
         levels: conclusions of the levels above 1, with verdicts of the same kind.
         unclaimed: conditions without a statement on all of their region.
@@ -45,3 +46,4 @@ class ProofCheck(Record):
     arithmetic: Arithmetic
     assumptions: Texts
     wall_s: float
+    reasons: Texts = ()

@@ -179,10 +179,10 @@ class RunFigures:
             raise Absent("level 4 is about one gait, and this one takes commands", line)
         if certificate.full is not None:
             caption = (
-                "Real joints never follow exactly. Left: over the states of the region, how large "
+                "Real joints never follow exactly. a) Over the states of the region, how large "
                 "their errors may be and the robot still provably walks on for ever, with motors "
                 "that do without delay what the controller asks: little near the edges and before "
-                "the foot lands. Right: the same along the step, against the errors that an impact "
+                "the foot lands. b) The same along the step, against the errors that an impact "
                 "leaves and how the controller lets them die out."
             )
             return caption, full_order_set.draw(self.data, certificate.full)

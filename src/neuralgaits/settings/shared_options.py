@@ -129,11 +129,13 @@ class Watch:
         ended: called after each round of proof and repair.
         doubted: called before the training with a line about what is unusual: changes of the robot
             file that --feet makes, a robot without rotors, a speed at which no gait is likely.
+        begun: called when the settings are checked and compiling begins.
     """
 
     proved: Callable[[float, int], None] | None = None
     ended: Callable[[ProofRound], None] | None = None
     doubted: Callable[[str], None] | None = None
+    begun: Callable[[], None] | None = None
 
 
 if TYPE_CHECKING:

@@ -163,6 +163,8 @@ class TrainSeedsSettings(GaitSettings):
     time, which need not be the caller's."""
     doubted: Fixed[Callable[[str], None] | None] = None
     """Called before the training with a line about what is unusual, as `Watch.doubted`."""
+    begun: Begun = None
+    """Called when the settings are checked and compiling begins."""
     root: Root = RUNS_ROOT
 
     def __post_init__(self) -> None:

@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from matplotlib.figure import Figure
+
 from neuralgaits._digits import at_least
 from neuralgaits._printable import printable
 from neuralgaits.errors import InputError
 from neuralgaits.records.record import Count, Record
-from neuralgaits.report.drawing.figure import svg
+from neuralgaits.report.drawing.figure import narrow_svg, svg
 from neuralgaits.report.page.html_shell import inline_image, whole
 from neuralgaits.report.page.markup import Html, items, join, paragraph, table, tag
 from neuralgaits.runs import write_text
@@ -44,7 +46,7 @@ def report_family(run: FamilyRun, out: Path | None = None) -> FamilyReport:
         raise InputError(f"expected --out as a file *.html, found {place}: the report is a page")
     bounds = stated_bounds(run)
     figures = [
-        tag("figure", inline_image("svg+xml", svg(figure), words), tag("figcaption", words))
+        tag("figure", _image(figure, words), tag("figcaption", words))
         for figure, words in run.system.page_figures(run)
     ]
     main = tag("main", join([_about(run), *figures, _proof(run, bounds)]))
@@ -58,6 +60,10 @@ def report_family(run: FamilyRun, out: Path | None = None) -> FamilyReport:
         bytes=len(text.encode()),
         damaged=why_nothing_is_stated(run) if bounds is None else None,
     )
+
+
+def _image(figure: Figure, alt: str) -> Html:
+    return inline_image("svg+xml", svg(figure), alt, narrow_svg(figure))
 
 
 def _about(run: FamilyRun) -> Html:

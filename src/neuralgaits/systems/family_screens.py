@@ -71,9 +71,11 @@ def screen_of_export(unit: str, exported: FamilyExport) -> Screen:
     return Screen(answer, sentence, None, [("files", ", ".join(exported.files))])
 
 
-def screen_of_report(written: FamilyReport) -> Screen:
-    """Return the screen that names the page to open."""
+def screen_of_report(written: FamilyReport, *, exports: bool) -> Screen:
+    """Return the screen that names the page to open, and the next command if `exports`."""
     facts = [("open", written.report)]
     if written.damaged is not None:
         facts.append(("damaged", written.damaged))
+    if exports:
+        facts.append(("next", command("export", named(written.run), "--out", "build/c")))
     return Screen("written", f": {written.bytes / 1e6:.1f} MB", None, facts)

@@ -1,6 +1,7 @@
 """Train the controller of a family beside walkers, and leave a run folder."""
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ def train_family(
     out: Path | None = None,
     root: Path = RUNS_ROOT,
     progress: TrainingProgress | None = None,
+    begun: Callable[[], None] | None = None,
 ) -> FamilyRun:
     """Train a controller and the set that is to be proved.
 
@@ -35,6 +37,7 @@ def train_family(
         out: run folder to make; a new one below `root` if None.
         root: folder of the runs.
         progress: called now and then.
+        begun: called when the robot is read and compiling begins.
 
     Raises: RobotError if the file is none of the family; NonFiniteError on NaN in its weights.
     """
@@ -46,6 +49,8 @@ def train_family(
     copies = {ROBOT: text, SPEC: "\n\n".join(sources)}
     folder = RunFolder.create(config, copies, name=robot.name, seed=config.seed, root=root, out=out)
     with only_writer(folder.path):
+        if begun is not None:
+            begun()
         controller = system.train(robot, config, progress)
         run = FamilyRun(system, folder, config, robot, data, controller)
         if not all(np.isfinite(leaf).all() for leaf in jax.tree.leaves(controller)):

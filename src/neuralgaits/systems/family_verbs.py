@@ -61,6 +61,7 @@ class FamilyVerbs(FileVerbs):
             out=out,
             root=root,
             progress=lambda step, loss: progress.trained(step, config.steps, loss),
+            begun=progress.begun,
         )
         trained = run.summary
         if certify:
@@ -121,7 +122,8 @@ class FamilyVerbs(FileVerbs):
         opened = open_family_run(self.system, run)
         progress.begun()
         written = report_family(opened, out)
-        return VerbResult(written, True, screens.screen_of_report(written))
+        exports = isinstance(self.system, ExportedSystem)
+        return VerbResult(written, True, screens.screen_of_report(written, exports=exports))
 
     def by_name(self) -> dict[str, Callable[..., VerbResult]]:
         """Return the verbs that the family has by name."""

@@ -62,13 +62,20 @@ def _row(name: str, value: float, inside: bool, words: str, changed: bool) -> st
         width, text = 100.0 * min(abs(value), 1.0), f"{value:.2f}".replace("-", "\u2212")
     place = "z is in its region" if inside else "z is outside of its region: read near it"
     hint = html.escape("; ".join(filter(None, (name, words, place))))
+    # A touch screen shows no hint: the name by which screens and pages call it is always there.
+    called = (
+        f' <code style="display:inline-block;font-size:11px;background:none;padding:0;{QUIET.css}">'
+        f"{html.escape(name)}</code>"
+        if words
+        else ""
+    )
     # What a barrier adds to its bound, behind a semicolon, is left to the hint.
     label = words.partition(";")[0] or name
     return (
         f'<div style="display:flex;align-items:center;gap:6px;min-height:17px;line-height:1.2;'
         f'{"" if inside else QUIET.css}" title="{hint}">'
         '<span style="flex:0 0 62%;overflow-wrap:anywhere;padding:2px 0">'
-        f'{html.escape(label)}</span><span style="flex:1;height:9px;'
+        f'<span>{html.escape(label)}</span>{called}</span><span style="flex:1;height:9px;'
         'background:rgba(128,140,150,.18);border-radius:3px;overflow:hidden">'
         f'<span style="display:block;height:9px;width:{width:.0f}%;background:{ink.light}'
         f'{"" if inside else ";opacity:.45"}"></span>'

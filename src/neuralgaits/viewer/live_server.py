@@ -14,6 +14,7 @@ from collections.abc import Iterator
 import viser
 
 from neuralgaits.errors import InputError
+from neuralgaits.viewer import page_style
 
 PORT = 8080
 """First port that is tried if none was requested."""
@@ -32,7 +33,7 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
     """Serve an empty page.
 
     Args:
-        label: title of the page.
+        label: title of the page, at its top and in the browser's tab.
         host: address to bind to.
         port: exactly this one; None takes the first free one from `PORT` on.
 
@@ -48,6 +49,8 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
     server.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(11, 87, 164))
     server.gui.main_panel.dock_right()
     server.gui.main_panel.set_width(370)
+    scripts = page_style.follow_scheme() + page_style.page_title(label)
+    server.gui.add_html(scripts + page_style.head())
     return server
 
 

@@ -4,6 +4,7 @@ Another version of viser that names its parts otherwise is shown as it is.
 """
 
 import html
+import json
 from typing import NamedTuple
 
 PHONE_PX = 576
@@ -58,18 +59,28 @@ def head() -> str:
 def follow_scheme() -> str:
     """Return HTML that reloads the page with viser's `?darkMode` if the browser prefers dark.
 
-    The server does not learn a browser's preference, and viser has no setting that follows it. The
-    image is invalid on purpose, so that the browser runs the code in `onerror`; nothing is fetched.
+    The server does not learn a browser's preference, and viser has no setting that follows it.
     """
-    return (
-        '<img src="data:," alt="" hidden onerror="'
+    return _run(
         # A bare URL is the document's here.
         "const here=new window.URL(window.location.href),asked=here.searchParams;"
         "const dark=window.matchMedia('(prefers-color-scheme: dark)').matches;"
-        "if(dark&amp;&amp;!asked.has('darkMode')){asked.set('darkMode','');"
+        "if(dark&&!asked.has('darkMode')){asked.set('darkMode','');"
         "window.location.replace(here)}"
-        '">'
     )
+
+
+def page_title(title: str) -> str:
+    """Return HTML that names the browser's tab, which viser always calls `Viser`."""
+    return _run(f"window.document.title={json.dumps(title)}")
+
+
+def _run(script: str) -> str:
+    """Return HTML with which a browser runs a script.
+
+    The image is invalid on purpose, so that the code in `onerror` runs; nothing is fetched.
+    """
+    return f'<img src="data:," alt="" hidden onerror="{html.escape(script)}">'
 
 
 def line(text: str, ink: Ink, *, strong: bool = False) -> str:

@@ -9,7 +9,7 @@ import viser
 
 from neuralgaits._printable import counted
 from neuralgaits.control.command_belief import SETTLED
-from neuralgaits.viewer import bars, page_style
+from neuralgaits.viewer import bars
 from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.live_monitor import membership_lines
@@ -83,7 +83,6 @@ class Panel:
         self._laps = 0
         gui = server.gui
         self._sliders = LimitedSliders(gui)
-        gui.add_html(page_style.follow_scheme() + page_style.head())
         gui.add_markdown(title)
         self._verdict = gui.add_html(note("reading the certificate"))
         ready = line("getting ready: compiling the controller", QUIET)

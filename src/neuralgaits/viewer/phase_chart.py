@@ -55,7 +55,7 @@ class PhaseChart:
     def fill(self, portrait: Portrait, clicked: Clicked) -> None:
         """Show the portrait; `clicked` gets every state that a visitor asks for."""
         self._plane.content = note(
-            f"{portrait.title}. Click to put the robot there."
+            f"{portrait.title}. Click to put the robot there, or type z1, z2 below, then Enter."
         ) + drawing.svg(portrait).replace("</svg>", f"{_click_area(portrait)}</svg>")
         self._legend.content = _legend(portrait)
         self._form.visible = True

@@ -41,9 +41,9 @@ def check_proof(settings: CheckProofSettings) -> ProofCheck:
     """Check a proof file.
 
     Returns: `ProofCheck`, a mapping of what `check-proof --json` prints: verdict ("proved" with a
-        run, "consistent" without; "rejected" or "undecided"), reason (None if proved), statements
-        (in words), levels, unclaimed, boxes, boxes_in_balls, arithmetic, wall_s, assumptions,
-        proof, run, robot, spec, weights_sha256.
+        run, "consistent" without; "rejected" or "undecided"), reason (None if proved), reasons
+        (each, of a rejection that has several), statements (in words), levels, unclaimed, boxes,
+        boxes_in_balls, arithmetic, wall_s, assumptions, proof, run, robot, spec, weights_sha256.
     Raises: InputError in one line if the file is no proof file; RunError if the run does not exist.
     """
     start_time = time.perf_counter()
@@ -123,4 +123,5 @@ def _of_part(report: CheckResult, claims: Claims) -> CheckResult:
 
 def _rejected(claims: Claims, wrong: list[str]) -> CheckResult:
     """Return the report about a file that is not about the run."""
-    return CheckResult("rejected", "; ".join(wrong), all_in_words(claims), (), (), 0)
+    report = CheckResult("rejected", None, all_in_words(claims), (), (), 0)
+    return report.rejected(wrong)

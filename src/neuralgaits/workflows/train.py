@@ -47,8 +47,11 @@ def train(settings: TrainSettings) -> Run:
         Interrupted for KeyboardInterrupt.
     """
     if (task := task_of("train", settings)) is not None:
-        proved = None if settings.watch is None else settings.watch.proved
-        return task(ProgressCallbacks(trained=settings.progress, proved=proved)).returned
+        watch = settings.watch or Watch()
+        callbacks = ProgressCallbacks(
+            trained=settings.progress, proved=watch.proved, begun=watch.begun
+        )
+        return task(callbacks).returned
     start_time = time.perf_counter()
     watch, root = settings.watch, settings.root
     if settings.resume is not None:
@@ -91,6 +94,8 @@ def train_to_the_end(
         this run.
     """
     with only_writer(run.path):
+        if watch is not None and watch.begun is not None:
+            watch.begun()
         try:
             session = take_all_steps(run, progress, trainer)
             gait, proof = session.gait, None

@@ -5,7 +5,7 @@ bounded again; the file's further claims are concluded anew. Without a run to co
 says what the file's Program is about, and the best verdict is `consistent`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -79,6 +79,7 @@ class CheckResult:
         boxes: number of boxes that were bounded.
         boxes_in_balls: number of those that were bounded in balls.
         holds: whether every statement holds and every claimed level follows, complete or not.
+        reasons: each reason of a rejection that has several; `reason` has all in one line.
     """
 
     verdict: Verdict
@@ -89,6 +90,12 @@ class CheckResult:
     boxes: int
     boxes_in_balls: int = 0
     holds: bool = False
+    reasons: tuple[str, ...] = ()
+
+    def rejected(self, reasons: Sequence[str]) -> "CheckResult":
+        """Return this report with a rejection, for one reason or more."""
+        several = tuple(reasons) if len(reasons) > 1 else ()
+        return replace(self, verdict="rejected", reason="; ".join(reasons), reasons=several)
 
 
 def check(
@@ -110,7 +117,7 @@ def check(
         boxes=0,
     )
     if wrong := inconsistencies(claims, claims.outline):
-        return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]))
+        return report.rejected(wrong[:SHOWN])
     try:
         trees = [statement.leaves() for statement in claims.statements]
     except InconsistentError as error:
@@ -133,7 +140,7 @@ def tied(report: CheckResult, claims: Claims, outline: SpecOutline) -> CheckResu
     if not report.holds:
         return report
     if wrong := inconsistencies(claims, outline):
-        return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]), levels=())
+        return replace(report.rejected(wrong[:SHOWN]), levels=())
     report = replace(report, unclaimed=_not_on_all(claims, outline))
     levels = tuple(replace(level, verdict="proved") for level in report.levels)
     if missing := unstated(claims.statements, outline, len(claims.chart.state)):

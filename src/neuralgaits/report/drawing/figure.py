@@ -1,13 +1,15 @@
-"""A drawn figure as PNG and SVG files."""
+"""A drawn figure as PNG and SVG files, and as one for a telephone."""
 
 from io import BytesIO
 from pathlib import Path
+from typing import NamedTuple
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from neuralgaits.report.drawing import style
+from neuralgaits.report.drawing.narrow import make_narrow
 from neuralgaits.runs import write_bytes
 
 
@@ -29,21 +31,37 @@ def svg(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
-def paths_of(folder: Path, name: str) -> tuple[Path, Path]:
-    """Return the paths of a figure's PNG and SVG files."""
-    return folder / f"{name}.png", folder / f"{name}.svg"
+def narrow_svg(figure: Figure) -> bytes:
+    """Return the figure's narrow form as an SVG file; the figure keeps that form."""
+    with style.settings():
+        make_narrow(figure)
+    return svg(figure)
 
 
-def write(figure: Figure, folder: Path, name: str) -> tuple[Path, Path]:
-    """Write NAME.png and NAME.svg. Returns: both paths."""
+class FigurePaths(NamedTuple):
+    """Paths of a figure's files: PNG and SVG, and SVG of its narrow form."""
+
+    png: Path
+    svg: Path
+    narrow: Path
+
+
+def paths_of(folder: Path, name: str) -> FigurePaths:
+    """Return the paths of a figure's files."""
+    return FigurePaths(*(folder / f"{name}{end}" for end in (".png", ".svg", "-narrow.svg")))
+
+
+def write(figure: Figure, folder: Path, name: str) -> FigurePaths:
+    """Write NAME.png, NAME.svg and NAME-narrow.svg. Returns: their paths."""
     paths = paths_of(folder, name)
-    # The layout is found once; both files share it.
+    # The layout is found once; both wide files share it.
     with style.settings():
         FigureCanvasAgg(figure)
         engine = figure.get_layout_engine()
         if engine is not None:
             engine.execute(figure)
             figure.set_layout_engine("none")
-    for path, content in zip(paths, (png(figure), svg(figure)), strict=True):
-        write_bytes(path, content)
+    # In this order: the last one changes the figure.
+    for path, content_of in zip(paths, (png, svg, narrow_svg), strict=True):
+        write_bytes(path, content_of(figure))
     return paths

@@ -1,4 +1,4 @@
-"""The outcome of a figure: two files with a caption, or the reason why it is missing."""
+"""The outcome of a figure: files with a caption, or the reason why it is missing."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +13,7 @@ class FigureFiles:
         title: a few words.
         caption: what the figure shows and why it matters, in plain words.
         path_png, path_svg: the files.
+        path_narrow: SVG file of its narrow form, for a telephone, with panels below one another.
     """
 
     name: str
@@ -20,6 +21,7 @@ class FigureFiles:
     caption: str
     path_png: Path
     path_svg: Path
+    path_narrow: Path
 
     def __repr__(self) -> str:
         """Return the title and one of the files, in a line."""

@@ -12,11 +12,11 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 
 from neuralgaits._own_process import command_of, environment_of
-from neuralgaits.report.drawing.figure import paths_of, write
+from neuralgaits.report.drawing.figure import FigurePaths, paths_of, write
 
 
 class FigureFile(NamedTuple):
-    """A figure and the files that it becomes, `folder/name.png` and `folder/name.svg`."""
+    """A figure and the files that it becomes, `folder/name.png` and its like."""
 
     figure: Figure
     folder: Path
@@ -46,12 +46,12 @@ def second_pen() -> Iterator[Pen | None]:
             pen.communicate()
 
 
-def write_all(sheets: Sequence[FigureFile], pen: Pen | None) -> list[tuple[Path, Path]]:
+def write_all(sheets: Sequence[FigureFile], pen: Pen | None) -> list[FigurePaths]:
     """Write all figures, every second one in the other process.
 
     If the other process fails, this one writes its figures, and errors are raised here.
 
-    Returns: paths of the PNG and SVG files, in the order of `sheets`.
+    Returns: paths of their files, in the order of `sheets`.
     """
     if pen is None:
         return [write(*sheet) for sheet in sheets]
@@ -60,7 +60,7 @@ def write_all(sheets: Sequence[FigureFile], pen: Pen | None) -> list[tuple[Path,
         for sheet in sheets[::2]:
             write(*sheet)
         if not written.result():
-            # Only these: a figure that was drawn once would be drawn in the size of its SVG.
+            # Only these: a figure that was drawn once is in its narrow form.
             for sheet in sheets[1::2]:
                 write(*sheet)
     return [paths_of(sheet.folder, sheet.name) for sheet in sheets]

@@ -19,6 +19,8 @@ ALLOWED, FORBIDDEN = "#dcebf7", "#fbe6da"
 """Fills of what conditions allow and forbid."""
 WIDTH_IN = 7.2
 """Width of a figure [in]. In a column of the page, of 640 pixels, 9 points are 11 pixels high."""
+NARROW_IN = 3.9
+"""Width of a figure's narrow form [in]. On a telephone, 390 pixels wide, 9 points are 11."""
 SMALL_PT = 9.0
 """Height of the smallest letters [pt]."""
 _SERIES: tuple[tuple[str, Any, str], ...] = (

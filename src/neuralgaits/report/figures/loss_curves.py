@@ -21,7 +21,7 @@ def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
         rows: rows of `metrics.csv`, at least one.
     """
     steps = np.array([row["step"] for row in rows])
-    figure = new_figure(5.2)
+    figure = new_figure(5.8)
     whole, parts = figure.subplots(1, 2)
     for name, label, colour, dash, mark in (
         ("loss", "training loss", BLACK, "-", "o"),
@@ -48,9 +48,9 @@ def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
         # One checkpoint is drawn as well as many.
         axes.set_xlim(0.0, 1.05 * max(float(steps.max()), 1.0))
         axes.grid(True, which="major", color="0.9")
-    parts.set_ylabel(f"loss of the condition [1], lowest line: ≤ {FLOOR:g}")
+    parts.set_ylabel(f"loss of the condition [1], lowest line: ≤\u00a0{FLOOR:g}")
     whole.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14))
-    parts.legend(loc="upper center", bbox_to_anchor=(0.45, -0.14), ncols=2, fontsize=9)
+    parts.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), fontsize=9)
     return figure
 
 

@@ -35,8 +35,8 @@ def caption(data: GaitData, proved: Mapping[str, float]) -> str:
     )
     return (
         "A condition is a limit the robot must keep, and its margin is what is left of it: above "
-        "zero it holds. Left: the margins over one step of the periodic gait, the tightest ones by "
-        "name. Right: the least margin of each condition on a grid over the region where it must "
+        "zero it holds. a) The margins over one step of the periodic gait, the tightest ones by "
+        "name. b) The least margin of each condition on a grid over the region where it must "
         f"hold{sentence}."
     )
 

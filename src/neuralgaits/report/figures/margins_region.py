@@ -12,9 +12,9 @@ from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import BLACK, RED, new_figure, panel, styled
 
 CAPTION = (
-    "The region, coloured by the margin of the condition that is nearest to its limit there (left: "
-    "the nearer to the page's own colour, the smaller; the cross marks the smallest) and by which "
-    "condition that is (right), as found on a grid of states."
+    "The region, coloured a) by the margin of the condition that is nearest to its limit there, "
+    "the nearer to the page's own colour the smaller, with a cross at the smallest, and b) by "
+    "which condition that is, as found on a grid of states."
 )
 
 

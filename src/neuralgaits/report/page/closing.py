@@ -84,7 +84,9 @@ def missing(contents: Contents) -> Html:
         )
     head = ("missing", "the command that makes it")
     return html.section(
-        "missing", "What is missing", html.table("Parts this run does not have", head, rows)
+        "missing",
+        "What is missing",
+        html.table("Parts this run does not have", head, rows, cards=True),
     )
 
 
@@ -169,7 +171,7 @@ def reproduction(contents: Contents) -> Html:
         "How to make it again",
         *_commands(saved, trained, [line for line in lines if line]),
         html.facts(f"Versions, {folder.created_utc}", versions),
-        html.table("Files of the run", ("file", "sha256"), hashes),
+        html.table("Files of the run", ("file", "sha256"), hashes, cards=True),
     )
 
 

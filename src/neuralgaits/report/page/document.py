@@ -52,4 +52,4 @@ def _picture(figure: FigureFiles) -> Html:
     # Of a drawing so large, the smaller of its files.
     if len(content) > 400_000 and figure.path_png.stat().st_size < len(content):
         kind, content = "png", figure.path_png.read_bytes()
-    return inline_image(kind, content, figure.title)
+    return inline_image(kind, content, figure.title, figure.path_narrow.read_bytes())

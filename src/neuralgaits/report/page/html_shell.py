@@ -40,16 +40,23 @@ def whole(name: str, header: Html, main: Html, made_from: str, scripts: tuple[st
     return f"<!doctype html>\n{tag('html', head, body, lang='en')}\n"
 
 
-def inline_image(kind: str, content: bytes, alt: str) -> Html:
+def inline_image(kind: str, content: bytes, alt: str, narrow_svg: bytes) -> Html:
     """Embed a picture in the page. As an image, a drawing can neither run nor fetch anything.
 
     Args:
         kind: media type after `image/`.
         content: content of its file.
         alt: alternative text.
+        narrow_svg: its narrow form, an SVG file, which a telephone shows.
     """
-    source = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
-    return join([Html(f'<img src="{source}" alt="'), alt, Html('">')])
+    # Not in print: paper is as wide as a desk.
+    narrow = f'media="screen and (max-width: 600px)" srcset="{_data("svg+xml", narrow_svg)}"'
+    start = Html(f'<picture><source {narrow}><img src="{_data(kind, content)}" alt="')
+    return join([start, alt, Html('"></picture>')])
+
+
+def _data(kind: str, content: bytes) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def _asset(name: str) -> str:

@@ -190,7 +190,7 @@ def _files(saved: RunContents, certificate: CertificateRecord) -> list[Html]:
             "check-proof bounds every box anew in another arithmetic; proofcheck is a C++ "
             f"program that shares no code with this one and {derives}."
         ),
-        html.table("Proof file", ("file", "sha256"), rows),
+        html.table("Proof file", ("file", "sha256"), rows, cards=True),
         html.shell([line]),
         html.paragraph("In the folder with the source of this program, where its Makefile is:"),
         html.shell(["make proofcheck", check]),

@@ -120,7 +120,7 @@ def _robot(robot: RobotFacts) -> list[Html]:
         html.table(
             "Links", ("link", "length [m]", "mass [kg]", "inertia [kg m²]"), links, numbers=" nnn"
         ),
-        html.table("Joints", head, motors, numbers=" n n"),
+        html.table("Joints", head, motors, numbers=" nnn"),
     ]
 
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from neuralgaits.records.swept import UNDISTURBED, SweepConfig, SweepRow, SweepSummary
-from neuralgaits.report.drawing.figure import svg
+from neuralgaits.report.drawing.figure import narrow_svg, svg
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.html_shell import inline_image, whole
 from neuralgaits.report.page.markup import Html
@@ -108,7 +108,8 @@ def _distributions(groups: Mapping[str, Sequence[SweepRow]]) -> Html:
         "simulated walks without a disturbance; d) time of the proof on one thread of the machine "
         "that found it."
     )
-    image = inline_image("svg+xml", svg(sweep_figure.draw(groups)), title)
+    drawn = sweep_figure.draw(groups)
+    image = inline_image("svg+xml", svg(drawn), title, narrow_svg(drawn))
     picture = html.tag("figure", image, html.tag("figcaption", caption))
     return html.section("distributions", title, picture)
 

@@ -12,7 +12,6 @@ from neuralgaits.systems.walker3d.live_drawings import TubeSlices, draw_prints
 from neuralgaits.systems.walker3d.live_moment import SpatialMoment
 from neuralgaits.systems.walker3d.live_stage import VIEWS, SpatialStage
 from neuralgaits.systems.walker3d.live_walk import SpatialLive
-from neuralgaits.viewer import page_style
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT, line, note
 from neuralgaits.viewer.plant_sliders import HEARD, add_plant_sliders
@@ -60,7 +59,6 @@ class SpatialPanel:
         self._tube_name = "tube"
         gui = server.gui
         self._sliders = LimitedSliders(gui)
-        gui.add_html(page_style.follow_scheme() + page_style.head())
         gui.add_markdown(title)
         self._verdict = gui.add_html(_kept_apart("reading the proof file"))
         self._status = gui.add_html(line(WAITING, QUIET))

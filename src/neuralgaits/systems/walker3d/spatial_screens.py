@@ -2,7 +2,9 @@
 
 import math
 
+from neuralgaits._digits import percent
 from neuralgaits.records.simulated import disturbances
+from neuralgaits.runs.shell_words import command, named
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.walker3d.spatial_walks import SpatialWalks
 
@@ -30,9 +32,13 @@ def screen_of_walks(found: SpatialWalks) -> Screen:
             ("speed", f"{found.speed_m_s:.2f} m/s"),
             ("joint errors", f"up to {1e3 * found.largest_error_rad:.1f} mrad, push excluded"),
             ("in the tube", f"{100.0 * found.in_tube:.4g} % of ticks, push excluded"),
-            ("torque", f"up to {found.largest_torque_nm:.0f} N m asked, {found.clamped:.2%} cut"),
+            (
+                "torque",
+                f"up to {found.largest_torque_nm:.0f} N m asked, {percent(found.clamped, 2)} cut",
+            ),
             *_heading(found),
             ("disturbed", ", ".join(changed) or "by nothing"),
             ("run", found.run),
+            ("next", command("report", named(found.run))),
         ],
     )

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from typing_extensions import override
 
+from neuralgaits._digits import percent
 from neuralgaits._types import Array, Float
 from neuralgaits.certificate.chart import Axis
 from neuralgaits.errors import RunError
@@ -195,8 +196,8 @@ class SpatialSystem(ExportedSystem):
         forward, aside = done.inlet_momenta
         return (
             f"{done.speed_m_s:.2f} m/s, steps of {done.step_m:.3f} m; at their start within "
-            f"{1e3 * done.inlet_m:.3g} mm aside, {forward:.1%} of the momentum forward, and "
-            f"{aside:.1%} of it aside"
+            f"{1e3 * done.inlet_m:.3g} mm aside, {percent(forward, 1)} of the momentum forward, "
+            f"and {percent(aside, 1)} of it aside"
         )
 
     def margins(self, run: FamilyRun, u: Float[Array, "4"]) -> Mapping[str, Array]:
@@ -242,8 +243,7 @@ class SpatialSystem(ExportedSystem):
     def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[SpatialWalks, bool]:
         """Walk in MuJoCo under `pd`. Returns: record, whether all took all their steps."""
         starts = starts_of(run.controller.typical, count, seed)
-        step_s = run.summary.step_s
-        command = run.config.command
+        step_s, command = run.summary.step_s, run.config.command
         told = None if command is None else schedule_of((command,))
         plan = WalkPlan(
             controller="pd", starts=starts, steps=STEPS, step_s=step_s, told=told, seed=seed
@@ -289,8 +289,9 @@ class SpatialSystem(ExportedSystem):
             ),
             (
                 draw_slices(gait, traces[0]),
-                "The tube less its middle over a step, and the walk that is not pushed: a state "
-                "outside of a band is outside of the tube, and no proof is about it",
+                "The tube less its middle over a step, and the walk not pushed: no proof is about "
+                "a state outside of a band. y is how far the hip is to the left of the stance "
+                "foot, L_y and n are the momentum about it, forward and sideways",
             ),
             (draw_sections(gait), "Sections of the tube, less its middle: shadows of ellipsoids"),
         )
