@@ -26,7 +26,7 @@ struct ProofFile {
   const KnownFamily* family = nullptr;   // Of a system that does not walk, if it is known here,
   std::optional<DerivedSystem> system;   // and what follows from its numbers.
   std::optional<Program> program;  // If statements are to be bounded by it.
-  std::shared_ptr<const Listing> recorded;  // Outputs of a gait that is told commands.
+  std::shared_ptr<const Listing> recorded;  // Outputs that are bounded by what was written down.
   Regions regions;
   std::map<string, Condition> conditions;
   Theorems theorems;

@@ -155,8 +155,10 @@ Program program_of(const Json& table, const vector<vector<double>>& constants) {
 // Outputs as elements, each after what it needs: those of a Program, or of what was recorded.
 class Listing {
  public:
-  Listing(size_t axis_count, vector<Element> recorded, std::map<string, vector<size_t>> named)
-      : axes(axis_count), elements(std::move(recorded)), outputs(std::move(named)) {}
+  Listing(size_t axis_count, vector<Element> recorded, std::map<string, vector<size_t>> named,
+          size_t fibre_count = 0)
+      : axes(axis_count), fibres(fibre_count), elements(std::move(recorded)),
+        outputs(std::move(named)) {}
 
   explicit Listing(const Program& program) : axes(program.axes), fibres(program.fibres) {
     vector<vector<size_t>> values(1);
@@ -311,7 +313,7 @@ class Evaluation {
   }
 
   // An element on one of the boxes.
-  Taylor<N, false> value(size_t element, size_t box) const {
+  Taylor<N> value(size_t element, size_t box) const {
     return arithmetic_.on_lane(&values_[place_[element]], static_cast<int>(box));
   }
 
@@ -463,6 +465,50 @@ Bounding by_the_listing(std::shared_ptr<const Listing> listing) {
   if (axes <= 8) return bounding_in<8>(listing);
   if (axes <= 12) return bounding_in<12>(listing);
   return bounding_in<kMostAxes>(listing);
+}
+
+// Of two kinds of outputs: those that are recorded, and the others by the formulas themselves.
+class EitherBounder : public Bounder {
+ public:
+  EitherBounder(const Model& model, const Theorems& theorems, const Bounding& listing)
+      : by_model_(model, theorems), by_listing_(listing()) {}
+  size_t most_boxes() const override { return by_listing_->most_boxes(); }
+  void within(const Box& region) override { by_listing_->within(region); }
+
+  void over(const vector<const Box*>& boxes, const vector<const Claim*>& claims) override {
+    boxes_ = boxes;
+    looked_at_ = nullptr;
+    vector<const Claim*> recorded;
+    for (const Claim* claim : claims)
+      if (claim->output->recorded) recorded.push_back(claim);
+    if (!recorded.empty()) by_listing_->over(boxes, recorded);
+  }
+
+  vector<Estimate> margins(size_t box, const Claim& claim) override {
+    return of(box, claim).margins(claim.output->recorded ? box : 0, claim);
+  }
+  double least(size_t box, const Claim& claim) override {
+    return of(box, claim).least(claim.output->recorded ? box : 0, claim);
+  }
+
+ private:
+  ModelBounder by_model_;
+  const std::unique_ptr<Bounder> by_listing_;
+  vector<const Box*> boxes_;
+  const Box* looked_at_ = nullptr;  // The one that the model was last asked about.
+
+  Bounder& of(size_t box, const Claim& claim) {
+    if (claim.output->recorded) return *by_listing_;
+    if (looked_at_ != boxes_[box]) by_model_.over({boxes_[box]}, {});
+    looked_at_ = boxes_[box];
+    return by_model_;
+  }
+};
+
+Bounding by_either(const Model& model, const Theorems& theorems, const Bounding& listing) {
+  return [&model, &theorems, listing] {
+    return std::make_unique<EitherBounder>(model, theorems, listing);
+  };
 }
 
 Bounding by_the_program(const Program& program) {
