@@ -548,7 +548,7 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
     } else if (of_full && space != string::npos) {
       output = barrier_output(name.substr(0, space), name.substr(space + 1), *theorems.full);
     } else if (pushed && disturbed_outputs().count(name)) {
-      output = output_of_disturbed(name, disturbed_outputs().at(name), *theorems.disturbed);
+      output = output_of_disturbed(name, disturbed_outputs().at(name));
     } else if (pushed && name.rfind("disturbed/decrease ", 0) == 0) {
       // Barriers of level 5 are those of level 4, in their order.
       const auto number = theorems.full->numbers.find(name.substr(space + 1));

@@ -90,12 +90,10 @@ const std::map<string, Meaning>& disturbed_outputs() {
   return table;
 }
 
-Output output_of_disturbed(const string& name, const Meaning& meaning, const Disturbed& its) {
-  Output found = output_of_full_state(meaning, [name](const Theorems& theorems, FullState& at) {
+Output output_of_disturbed(const string& name, const Meaning& meaning) {
+  return output_of_full_state(meaning, [name](const Theorems& theorems, FullState& at) {
     return disturbed_margins(name, *theorems.disturbed, at);
   });
-  if (its.scheduled()) found.unknown = "what follows from the law of scheduled PD is not derived";
-  return found;
 }
 
 // disturbed/decrease BARRIER, the barrier of that number.

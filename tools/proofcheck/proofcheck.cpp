@@ -27,6 +27,7 @@
 //   13  set and orbit        premises.hpp     what levels 2 and 3 rest on
 //       held torques         jerk.hpp         accelerations, torques, and the jerk of torques that stay
 //   14  full order           full_order.hpp   what level 4 rests on
+//       scheduled PD         scheduled.hpp    a law by polynomials of the file: its errors, their growth
 //       torques that are off disturbed.hpp    what level 5 rests on
 //       all outputs          outputs.hpp      and their words
 //   15  the check            check.hpp        trees of boxes, on several threads
