@@ -1,6 +1,6 @@
 #pragma once
 
-#include "full_order.hpp"
+#include "outputs.hpp"
 
 #include <atomic>
 #include <exception>
@@ -186,7 +186,7 @@ class ModelBounder : public Bounder {
   void over(const vector<const Box*>& boxes, const vector<const Claim*>&) override {
     const Box& box = *boxes[0];
     place_.emplace(model_, model_.step, theorems_, coordinate<TM>(box.low[0], box.high[0], 0),
-                   coordinate<TM>(box.low[1], box.high[1], 1), box);
+                   coordinate<TM>(box.low[1], box.high[1], 1));
   }
   vector<Estimate> margins(size_t, const Claim& claim) override {
     vector<Estimate> found = claim.output->margins(*place_);

@@ -26,7 +26,7 @@ struct ProofFile {
   const KnownFamily* family = nullptr;   // Of a system that does not walk, if it is known here,
   std::optional<DerivedSystem> system;   // and what follows from its numbers.
   std::optional<Program> program;  // If statements are to be bounded by it.
-  std::shared_ptr<const Listing> recorded;  // Outputs of a gait that is told commands.
+  std::shared_ptr<const Listing> recorded;  // Outputs that are bounded by what was written down.
   Regions regions;
   std::map<string, Condition> conditions;
   Theorems theorems;
@@ -294,23 +294,29 @@ class Conclusions {
   }
 
   // Level 5, which rests on level 4: docs/level5.md. With b = sqrt(5) / w, V' <= -gamma V + 2 b
-  // sqrt(V) |S e|, and while torques are held |S e| grows as the outputs' jerk says.
+  // sqrt(V) |S e|, and while torques are held |S e| grows as the outputs' jerk says. Under scheduled PD
+  // V falls at a rate of its own, and has the law's own error beside S e: docs/level5_law.md.
   vector<string> disturbed() const {
     const FullOrder& f = *file_.theorems.full;
     const Disturbed& d = *file_.theorems.disturbed;
-    if (d.scheduled()) throw Unknown{"what level 5 concludes of the law of scheduled PD"};
-    const I w(f.bandwidth), gamma = I(1.5) * w, push(d.push[0]), zero(0.0);
+    const I w(f.bandwidth), gamma = d.scheduled() ? I(d.decay) : I(1.5) * w, rest = rest_of(d);
+    const I push(d.push[0]), zero(0.0);
     const I factor = root(I(5.0)) / w;
     positive("disturbed/contact", f.tube());
     positive("disturbed/torque", f.tube());
-    need("0 < push", zero, push);
+    if (d.scheduled()) {
+      need("0 < decay", zero, gamma);
+      positive("disturbed/decay", f.tube());
+      not_negative("disturbed/rest", f.tube());
+    }
+    need(d.scheduled() ? "rest < push" : "0 < push", rest, push);
     const I slope(d.push[1]), left = gamma - I(2.0) * factor * slope;
     if (!(d.push[1] >= 0.0 && d.push[0] <= d.peak[0] && d.push[1] <= d.peak[1]))
       throw DoesNotFollow{"push has a falling slope, or is above peak"};
     need("4 shrink (1 + guard_strip) most pace < gamma - 2 b slope of push",
          I(4.0) * I(f.shrink) * I(f.last) * I(f.fastest), left);
     need("2 b push < (gamma - 2 b slope) least radius", I(2.0) * factor * push, left * I(f.floor));
-    const I always = push + slope * I(f.floor);
+    const I always = push + slope * I(f.floor) - rest;
     I most = push + slope * I(f.radius);
     if (d.hold != 0.0) held(f, d, gamma);
     if (d.free_clock()) {
@@ -326,18 +332,26 @@ class Conclusions {
       need(its.name + ": 0 < alpha, disturbed", zero, alpha);
       need(its.name + ": alpha < gamma, disturbed", alpha, gamma);
       need(its.name + ": 0 < sigma", zero, sigma);
-      const I rest = I(4.0) * sigma * (gamma - alpha), spare = I(its.weight) * rest - I(1.0);
+      const I slower = I(4.0) * sigma * (gamma - alpha), spare = I(its.weight) * slower - I(1.0);
       need(its.name + ": 1 < 4 sigma (gamma - alpha) weight", zero, spare);
       const I tightening = square(I(of.reading)) / (I(4.0) * sigma);
       const I moved = I(2.0) * sigma * factor * most;
       need(its.name + ": alpha t and what the push takes < lost",
-           alpha * tightening + (I(1.0) + I(1.0) / spare) * square(moved) / rest, I(its.lost));
+           alpha * tightening + (I(1.0) + I(1.0) / spare) * square(moved) / slower, I(its.lost));
       names += (names.empty() ? "" : ", ") + its.name;
     }
     const string size = f.weights.empty() ? "|e|" : "|S e|";
+    const string own = d.scheduled() ? " beyond that law" : "";
+    const string torques =
+        d.scheduled()
+            ? "that give the outputs e more of ddy than u = u0 - M (w^2 y + 2 w dy) does, the torque of "
+              "scheduled PD, u0 and M being the file's polynomials of phase and level, of " +
+                  std::to_string(d.torque_gains.size()) + " and " +
+                  std::to_string(d.inertia_gains.size()) + " coefficients, "
+            : "that give the outputs ddy = -w^2 y - 2 w dy + e, ";
     vector<string> words = {
         "the same set D, whatever measurable e(t) with " + size + " <= " + at_least(always.low()) +
-                " rad/s^2 is added: under torques that give the outputs ddy = -w^2 y - 2 w dy + e, "
+                " rad/s^2 is added: under torques " + torques +
                 "every trajectory that starts in D stays in D between impacts, meets the ground "
                 "once and transversally in each step, and is in D after the impact: it walks for "
                 "ever"};
@@ -348,9 +362,9 @@ class Conclusions {
                             "through a touchdown, until the first tick after it, which is of the "
                             "new step)"
                           : "one of them at each touchdown") + ": if torques are set at each tick with " + size + " <= " +
-          brief(d.error) + " rad/s^2 and held until the next, every trajectory that starts in D at "
-          "a tick stays in D, meets the ground once and transversally in each step, and is in D "
-          "after the impact: it walks for ever");
+          brief(d.error) + " rad/s^2" + own + " and held until the next, every trajectory that "
+          "starts in D at a tick stays in D, meets the ground once and transversally in each step, "
+          "and is in D after the impact: it walks for ever");
     words.push_back("all along, " + names + " are not negative on the robot itself, the contact force and "
             "every impulse stay in the friction cone, and the torques that are applied stay within "
             "the robot's limits: none saturates");
@@ -359,6 +373,9 @@ class Conclusions {
   }
 
  private:
+  // Bound on |S e| of the law's own torque where nothing is off.
+  static I rest_of(const Disturbed& d) { return d.scheduled() ? size(d.rest) : I(0.0); }
+
   // What a hold makes of an error fits under peak and, in the mean over it, under push.
   void held(const FullOrder& f, const Disturbed& d, const I& gamma) const {
     not_negative("disturbed/jerk", f.tube());
@@ -375,7 +392,7 @@ class Conclusions {
       const I most = size(d.jerk) + rate * error + earlier * size(d.growth_slope) * bound;
       need("error + growth in a hold < peak", error + end * most,
            I(d.peak[0]) + I(d.peak[1]) * bound);
-      need("error + mean growth in a hold < push", error + mean * most,
+      need("error + mean growth in a hold < push", rest_of(d) + error + mean * most,
            I(d.push[0]) + I(d.push[1]) * bound);
     }
   }
@@ -392,7 +409,7 @@ class Conclusions {
     const I first = size(d.kick) + size(d.kick_slope) * guard +
                     size(d.kick_push) * (I(d.peak[0]) + I(d.peak[1]) * guard);
     const I more = (size(d.jerk) + size(d.growth_slope) * radius) * (grown - I(1.0)) / rate;
-    const I mean = I(0.5) * (first + I(d.kick_peak));
+    const I mean = I(0.5) * (first + I(d.kick_peak)) + rest_of(d);
     need("free clock: 0 < hold", I(0.0), hold);
     need("free clock: start_strip + most pace hold < kick_end",
          I(f.start_strip) + I(f.fastest) * hold, end);

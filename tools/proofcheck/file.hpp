@@ -548,7 +548,7 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
     } else if (of_full && space != string::npos) {
       output = barrier_output(name.substr(0, space), name.substr(space + 1), *theorems.full);
     } else if (pushed && disturbed_outputs().count(name)) {
-      output = output_of_disturbed(name, disturbed_outputs().at(name), *theorems.disturbed);
+      output = output_of_disturbed(name, disturbed_outputs().at(name));
     } else if (pushed && name.rfind("disturbed/decrease ", 0) == 0) {
       // Barriers of level 5 are those of level 4, in their order.
       const auto number = theorems.full->numbers.find(name.substr(space + 1));
@@ -668,19 +668,23 @@ bool compare_ranges(const vector<Command>& commands, ProofFile& file) {
   return true;
 }
 
-// Every output as formulas of a step between two commands. What is not known is said of the output.
+// Outputs as formulas: of a gait that is told commands, all, of a step between two of them; of another,
+// those of levels 4 and 5. What is not known is said of the output.
 void record_outputs(ProofFile& file) {
   Recording recording;
-  const Step<Formula> step = told_step(file.model, recording);
+  const bool told = file.model.family.has_value();
+  const Step<Formula> step =
+      told ? told_step(file.model, recording) : written_step(file.model);
   Place<Formula> place(file.model, step, file.theorems, Formula::axis(recording, 0),
                        Formula::axis(recording, 1));
   std::map<string, vector<size_t>> named;
   for (auto& [name, output] : file.outputs) {
-    if (!output.unknown.empty()) continue;
-    if (!output.formulas) {
+    if (!output.unknown.empty() || (!told && output.margins)) continue;
+    if (told && !output.margins) {
       output.unknown = "it is not about gaits that are told commands";
       continue;
     }
+    output.recorded = true;
     try {
       for (const Formula& one : output.formulas(place)) named[name].push_back(one.of(recording));
     } catch (const Unknown& unknown) {
@@ -692,8 +696,15 @@ void record_outputs(ProofFile& file) {
                          " elements in the model, " + std::to_string(output.elements) +
                          " in the Program"};
   }
+  const size_t fibres = file.theorems.full ? 2 * size_t(file.model.robot.joints()) : 0;
   file.recorded = std::make_shared<const Listing>(file.chart.size(), std::move(recording.elements),
-                                                  std::move(named));
+                                                  std::move(named), fibres);
+}
+
+// Those of levels 4 and 5. What their numbers are may leave them without formulas, so what follows from
+// the statements is looked at before.
+void record_full_order(ProofFile& file) {
+  if (file.theorems.full && !file.program && file.underivable.empty()) record_outputs(file);
 }
 
 // Regions and conditions of a family's model, which are no others than those of its spec.
@@ -768,6 +779,7 @@ void read_other_family(const Json& table, const ProgramFacts& program, bool by_p
     if (of_theorem(name)) refuse("an output of the Program named " + name);
     Output& output = file.outputs[name];
     output.elements = elements;
+    output.recorded = file.recorded != nullptr;
     if (!file.underivable.empty())
       output.unknown = file.underivable + "; --program checks the Program in the file instead";
     if (!file.family) continue;

@@ -211,8 +211,8 @@ class Arithmetic {
   }
 
   // The value on one lane, as section 3 has it. Throws if it has no bound.
-  Taylor<N, false> on_lane(const V* a, int lane) const {
-    Taylor<N, false> found(finite(-a[0][lane], a[0][lane]));
+  Taylor<N> on_lane(const V* a, int lane) const {
+    Taylor<N> found(finite(-a[0][lane], a[0][lane]));
     const double left_out = a[remainder_][lane] + length(a)[lane];
     found.c[0] = found.c[0] + symmetric(left_out);
     for (size_t i = 1; i < kPolynomial; ++i) found.c[i] = I(a[i][lane]);

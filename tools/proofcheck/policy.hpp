@@ -131,18 +131,11 @@ inline void add_scaled(I* __restrict sum, double w, const I* __restrict x, size_
 template <class T>
 inline void add_scaled(T& sum, double w, const T& x) {
   add_scaled(sum.c.data(), w, x.c.data(), x.c.size());
-  if constexpr (has_slopes<T>) {
-    if (x.s.empty()) return;
-    sum.s.resize(x.s.size());
-    add_scaled(sum.s.data(), w, x.s.data(), x.s.size());
-  }
 }
 
 template <class T>
 void refuse_infinite(const T& model) {
   for (const I& coefficient : model.c) finite(coefficient.n, coefficient.h);
-  if constexpr (has_slopes<T>)
-    for (const I& slope : model.s) finite(slope.n, slope.h);
 }
 
 // A layer with its own biases, or those given.
@@ -175,14 +168,21 @@ template <>
 vector<Jet<Formula>> applied(const Layer& layer, const vector<Jet<Formula>>& inputs, int order,
                              const vector<Formula>& biases) {
   vector<Jet<Formula>> out(static_cast<size_t>(layer.rows));
-  for (size_t row = 0; row < out.size(); ++row)
+  for (size_t row = 0; row < out.size(); ++row) {
+    const double* weights = layer.weights.data() + row * inputs.size();
     for (size_t part = 0; part < static_cast<size_t>(parts(order)); ++part) {
       vector<Formula> terms;
       for (const Jet<Formula>& input : inputs) terms.push_back(input.c[part]);
       const Formula bias = biases.empty() ? Formula(layer.biases[row]) : biases[row];
-      out[row].c[part] = weighted(layer.weights.data() + row * inputs.size(), terms,
-                                  part ? Formula(0.0) : bias);
+      out[row].c[part] = weighted(weights, terms, part ? Formula(0.0) : bias);
     }
+    // All inputs have third derivatives, or none has: those of the first layer are linear.
+    for (size_t part = 0; part < kThird && !inputs[0].third.empty(); ++part) {
+      vector<Formula> terms;
+      for (const Jet<Formula>& input : inputs) terms.push_back(input.third[part]);
+      out[row].third.push_back(weighted(weights, terms, Formula(0.0)));
+    }
+  }
   return out;
 }
 

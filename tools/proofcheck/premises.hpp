@@ -154,12 +154,10 @@ class Place {
   const Step<Scalar<T>>& step;
   const Theorems& theorems;
   const T phase, level;
-  const Box box;
   std::shared_ptr<FullState> full;  // Made when level 4 asks for it first.
 
-  Place(const Model& m, const Step<Scalar<T>>& s, const Theorems& t, T first, T second, Box b = {})
-      : model(m), step(s), theorems(t), phase(std::move(first)), level(std::move(second)),
-        box(std::move(b)) {}
+  Place(const Model& m, const Step<Scalar<T>>& s, const Theorems& t, T first, T second)
+      : model(m), step(s), theorems(t), phase(std::move(first)), level(std::move(second)) {}
 
   Motion<T>& wide() {
     if (!wide_) {

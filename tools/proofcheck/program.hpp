@@ -155,8 +155,10 @@ Program program_of(const Json& table, const vector<vector<double>>& constants) {
 // Outputs as elements, each after what it needs: those of a Program, or of what was recorded.
 class Listing {
  public:
-  Listing(size_t axis_count, vector<Element> recorded, std::map<string, vector<size_t>> named)
-      : axes(axis_count), elements(std::move(recorded)), outputs(std::move(named)) {}
+  Listing(size_t axis_count, vector<Element> recorded, std::map<string, vector<size_t>> named,
+          size_t fibre_count = 0)
+      : axes(axis_count), fibres(fibre_count), elements(std::move(recorded)),
+        outputs(std::move(named)) {}
 
   explicit Listing(const Program& program) : axes(program.axes), fibres(program.fibres) {
     vector<vector<size_t>> values(1);
@@ -271,10 +273,17 @@ class Evaluation {
  public:
   // Boxes will lie in `region`, if one is given.
   Evaluation(const Listing& listing, const vector<const Claim*>& claims, const Box* region)
-      : axes_(listing.axes), layout_{listing.fibres, region ? kSymbols : 0}, arithmetic_(layout_),
-        polynomials_(layout_, true), place_(listing.elements.size(), kNone) {
-    for (const Claim* claim : claims)
-      for (const size_t element : listing.outputs.at(claim->name)) place_[element] = 0;
+      : Evaluation(listing, elements_of(listing, claims),
+                   region ? chosen(listing, elements_of(listing, claims), *region)
+                          : vector<size_t>()) {}
+
+  // Of these elements; the remainders of some are named, and there is room for more.
+  Evaluation(const Listing& listing, const vector<size_t>& outputs, const vector<size_t>& named,
+             size_t more = 0)
+      : axes_(listing.axes),
+        layout_{depend_on_xi(listing, outputs) ? listing.fibres : 0, named.size() + more},
+        arithmetic_(layout_), polynomials_(layout_, true), place_(listing.elements.size(), kNone) {
+    for (const size_t element : outputs) place_[element] = 0;
     for (size_t k = place_.size(); k-- > 0;)
       if (place_[k] != kNone)
         for (const size_t operand : listing.elements[k].operands) place_[operand] = 0;
@@ -287,7 +296,7 @@ class Evaluation {
     values_.resize(numbers);
     for (size_t k = 0; k < place_.size(); ++k)
       if (place_[k] != kNone) write_down(listing.elements, k);
-    if (region) name_remainders(listing, claims, middle_of(*region));
+    for (const size_t element : named) name(listing.elements, element);
   }
 
   // What depends on axes only along which no lane has another box than before still holds.
@@ -311,7 +320,7 @@ class Evaluation {
   }
 
   // An element on one of the boxes.
-  Taylor<N, false> value(size_t element, size_t box) const {
+  Taylor<N> value(size_t element, size_t box) const {
     return arithmetic_.on_lane(&values_[place_[element]], static_cast<int>(box));
   }
 
@@ -338,6 +347,7 @@ class Evaluation {
   vector<double> weights_;  // Of rows.
   vector<const V*> terms_;
   vector<std::array<I, kLanes>> ends_;  // Of each axis, on each lane.
+  size_t symbols_ = 0;                  // How many are given.
 
   void write_down(const vector<Element>& elements, size_t k) {
     const Element& e = elements[k];
@@ -366,29 +376,60 @@ class Evaluation {
     instructions_.push_back(one);
   }
 
-  // Gives remainders symbols, those that cancel most on a box first, while it helps.
-  void name_remainders(const Listing& listing, const vector<const Claim*>& claims, const Box& box) {
-    vector<size_t> outputs;
+  static vector<size_t> elements_of(const Listing& listing, const vector<const Claim*>& claims) {
+    vector<size_t> found;
     for (const Claim* claim : claims)
-      for (const size_t element : listing.outputs.at(claim->name)) outputs.push_back(element);
-    SymbolChoice choice(listing.elements, outputs);
-    for (size_t symbol = 0; symbol < layout_.symbols; ++symbol) {
-      ends_.clear();
-      over({&box});
-      vector<Found> found(listing.elements.size());
-      for (const Instruction& one : instructions_)
-        found[one.element] = {one.y[0][0], one.y[layout_.remainder()][0]};
-      const std::optional<size_t> best = choice.next(found);
-      if (!best) break;
-      vector<bool> wide(listing.elements.size());
-      for (Instruction& one : instructions_) {
-        if (one.element == *best) one.symbol = symbol;
-        for (const size_t operand : listing.elements[one.element].operands)
-          if (wide[operand]) one.wide = true;
-        wide[one.element] = one.wide || one.symbol != kNone;
-      }
+      for (const size_t element : listing.outputs.at(claim->name)) found.push_back(element);
+    return found;
+  }
+  static bool depend_on_xi(const Listing& listing, const vector<size_t>& outputs) {
+    return std::any_of(outputs.begin(), outputs.end(),
+                       [&](size_t element) { return listing.elements[element].needs & kXi; });
+  }
+
+  // The remainders that get symbols, those first that cancel most about the middle of a region.
+  static vector<size_t> chosen(const Listing& listing, const vector<size_t>& outputs,
+                               const Box& region) {
+    const SymbolLimits& limits = depend_on_xi(listing, outputs) ? kSymbolsOffZero : kSymbols;
+    Evaluation trial(listing, outputs, {}, limits.most);
+    Box box = region;
+    for (const double share : kShares) {
+      box = middle_of(region, share);
+      const vector<Found> found = trial.found_on(box);
+      if (std::all_of(outputs.begin(), outputs.end(),
+                      [&](size_t k) { return found[k].remainder < HUGE_VAL; }))
+        break;
     }
+    SymbolChoice choice(listing.elements, outputs, limits.least_gain);
+    vector<size_t> named;
+    while (named.size() < limits.most) {
+      const std::optional<size_t> best = choice.next(trial.found_on(box));
+      if (!best) break;
+      trial.name(listing.elements, *best);
+      named.push_back(*best);
+    }
+    return named;
+  }
+
+  vector<Found> found_on(const Box& box) {
     ends_.clear();
+    over({&box});
+    ends_.clear();
+    vector<Found> found(place_.size());
+    for (const Instruction& one : instructions_)
+      found[one.element] = {one.y[0][0], one.y[layout_.remainder()][0]};
+    return found;
+  }
+
+  // Makes the remainder of an element the next symbol.
+  void name(const vector<Element>& elements, size_t element) {
+    vector<bool> wide(elements.size());
+    for (Instruction& one : instructions_) {
+      if (one.element == element) one.symbol = symbols_++;
+      for (const size_t operand : elements[one.element].operands)
+        if (wide[operand]) one.wide = true;
+      wide[one.element] = one.wide || one.symbol != kNone;
+    }
   }
 
   void carry_out(const Instruction& one) {
@@ -463,6 +504,50 @@ Bounding by_the_listing(std::shared_ptr<const Listing> listing) {
   if (axes <= 8) return bounding_in<8>(listing);
   if (axes <= 12) return bounding_in<12>(listing);
   return bounding_in<kMostAxes>(listing);
+}
+
+// Of two kinds of outputs: those that are recorded, and the others by the formulas themselves.
+class EitherBounder : public Bounder {
+ public:
+  EitherBounder(const Model& model, const Theorems& theorems, const Bounding& listing)
+      : by_model_(model, theorems), by_listing_(listing()) {}
+  size_t most_boxes() const override { return by_listing_->most_boxes(); }
+  void within(const Box& region) override { by_listing_->within(region); }
+
+  void over(const vector<const Box*>& boxes, const vector<const Claim*>& claims) override {
+    boxes_ = boxes;
+    looked_at_ = nullptr;
+    vector<const Claim*> recorded;
+    for (const Claim* claim : claims)
+      if (claim->output->recorded) recorded.push_back(claim);
+    if (!recorded.empty()) by_listing_->over(boxes, recorded);
+  }
+
+  vector<Estimate> margins(size_t box, const Claim& claim) override {
+    return of(box, claim).margins(claim.output->recorded ? box : 0, claim);
+  }
+  double least(size_t box, const Claim& claim) override {
+    return of(box, claim).least(claim.output->recorded ? box : 0, claim);
+  }
+
+ private:
+  ModelBounder by_model_;
+  const std::unique_ptr<Bounder> by_listing_;
+  vector<const Box*> boxes_;
+  const Box* looked_at_ = nullptr;  // The one that the model was last asked about.
+
+  Bounder& of(size_t box, const Claim& claim) {
+    if (claim.output->recorded) return *by_listing_;
+    if (looked_at_ != boxes_[box]) by_model_.over({boxes_[box]}, {});
+    looked_at_ = boxes_[box];
+    return by_model_;
+  }
+};
+
+Bounding by_either(const Model& model, const Theorems& theorems, const Bounding& listing) {
+  return [&model, &theorems, listing] {
+    return std::make_unique<EitherBounder>(model, theorems, listing);
+  };
 }
 
 Bounding by_the_program(const Program& program) {

@@ -14,7 +14,7 @@
 //    1  intervals            numbers.hpp      numbers enclosed by directed rounding
 //    2  elementary functions                  exp, log, tanh, sin ... at a point, with remainders
 //    3  Taylor models        taylor.hpp       functions of a box: quadratic polynomials with
-//                                             interval coefficients; of a ball: with a slope
+//                                             interval coefficients
 //    4  duals                                 a value and its derivative along a direction
 //    5  formulas             recorded_formulas.hpp     the same operations, written down to be carried out later
 //    6  reading              reading.hpp      JSON, hexadecimal floats, base64, sha256
@@ -25,7 +25,11 @@
 //   11  told commands        commanded.hpp    the step between two commands: footholds, impacts, path
 //   12  conditions           conditions.hpp   what is claimed of single states, also in words
 //   13  set and orbit        premises.hpp     what levels 2 and 3 rest on
-//   14  full order           full_order.hpp   what levels 4 and 5 rest on; all outputs and their words
+//       held torques         jerk.hpp         accelerations, torques, and the jerk of torques that stay
+//   14  full order           full_order.hpp   what level 4 rests on
+//       scheduled PD         scheduled.hpp    a law by polynomials of the file: its errors, their growth
+//       torques that are off disturbed.hpp    what level 5 rests on
+//       all outputs          outputs.hpp      and their words
 //   15  the check            check.hpp        trees of boxes, on several threads
 //   16  lanes                lanes.hpp        Taylor models of several boxes at once, in doubles
 //   17  listings             program.hpp      formulas, or the file's own Program on request, bounded so
@@ -136,7 +140,12 @@ const char* good(const ProofFile& file) { return file.program ? "consistent" : "
 
 Bounding bounding_of(const ProofFile& file) {
   if (file.program) return by_the_program(*file.program);
-  return file.recorded ? by_the_listing(file.recorded) : by_the_model(file.model, file.theorems);
+  if (!file.recorded) return by_the_model(file.model, file.theorems);
+  const Bounding listing = by_the_listing(file.recorded);
+  const bool all = std::all_of(file.outputs.begin(), file.outputs.end(), [](const auto& one) {
+    return one.second.recorded || !one.second.unknown.empty();
+  });
+  return all ? listing : by_either(file.model, file.theorems, listing);
 }
 
 // How far a statement is, on standard error: a line whenever so many seconds have gone by.
@@ -279,13 +288,14 @@ void say_system(const ProofFile& file) {
   for (const string& line : file.system->words) say("  " + line);
 }
 
-int check(const ProofFile& file, size_t threads) {
+int check(ProofFile& file, size_t threads) {
   if (file.underivable.empty() && file.system) say_system(file);
   else if (file.underivable.empty()) say_model(file);
   else say_names(file);
   // What is quickly seen to be wrong comes first.
   for (const Statement& s : file.statements) read_tree(s);
   const auto levels = concluded(file);
+  record_full_order(file);
   const Bounding bounding = bounding_of(file);
   const auto start = std::chrono::steady_clock::now();
   Finding worst;
@@ -349,7 +359,8 @@ double asked(std::istream& in) {
 }
 
 // For tests: enclosures of all outputs over boxes of the chart, lower corner then upper.
-int answer_bounds(const ProofFile& file, std::istream& in) {
+int answer_bounds(ProofFile& file, std::istream& in) {
+  record_full_order(file);
   const Bounding bounding = bounding_of(file);
   const std::unique_ptr<Bounder> bounder = bounding();
   vector<Claim> claims;

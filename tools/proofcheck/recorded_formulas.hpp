@@ -60,9 +60,15 @@ class Formula {
   static Formula axis(Recording& in, size_t which) {
     return {in, {Element::axis, {}, which, I(0.0), nullptr, std::uint32_t{1} << which}};
   }
+  // A coefficient of xi.
+  static Formula fibre(Recording& in, size_t which) {
+    return {in, {Element::fibre, {}, which, I(0.0), nullptr, kXi}};
+  }
 
   bool known() const { return !in_; }
   bool is(double number) const { return known() && value_.n == -number && value_.h == number; }
+  // Where it is written down; of one that is not known.
+  Recording& recording() const { return *in_; }
   // Its element of a recording.
   size_t of(Recording& in) const { return known() ? in.number(value_) : at_; }
 
@@ -91,6 +97,7 @@ class Formula {
   friend Formula inverse(const Formula& a) { return expanded(inverse_near, a); }
   friend Formula operator/(const Formula& a, const Formula& b) { return a * inverse(b); }
   friend Formula root(const Formula& a) { return expanded(root_near, a); }
+  friend Formula exp(const Formula& a) { return expanded(exp_near, a); }
   friend Formula tanh(const Formula& a) { return expanded(tanh_near, a); }
   friend Formula logistic(const Formula& a) { return expanded(logistic_near, a); }
   friend Formula softplus(const Formula& a) { return expanded(softplus_near, a); }

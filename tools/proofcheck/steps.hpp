@@ -58,6 +58,23 @@ Step<I> only_step(const Policy& policy, const Tube& tube) {
   return s;
 }
 
+// The same of formulas.
+Step<Formula> written(const Step<I>& known) {
+  const auto all = [](const vector<I>& numbers) {
+    return vector<Formula>(numbers.begin(), numbers.end());
+  };
+  Step<Formula> s;
+  s.start = known.start;
+  s.guard = known.guard;
+  s.cubic = all(known.cubic);
+  s.from = known.from;
+  s.to = known.to;
+  s.lower = known.lower;
+  s.upper = known.upper;
+  s.unit = known.unit;
+  return s;
+}
+
 // Chebyshev polynomials T_0 to T_(count - 1) of 2 phase - 1. As T_(m+n) = 2 T_m T_n - T_(m-n) with
 // m and n near half: one by one, an error would grow with the powers of 1 + sqrt 2.
 template <class S>
@@ -152,6 +169,13 @@ struct Model {
   std::optional<ResetResidual> reset;
   Step<I> step;  // Of a gait that is not.
 };
+
+// The step of a gait without commands, as formulas.
+Step<Formula> written_step(const Model& model) {
+  Step<Formula> step = written(model.step);
+  step.robot = std::make_shared<const RobotOf<Formula>>(leaning<Formula>(model.robot, {}));
+  return step;
+}
 
 // The robot that walks a step.
 inline const Robot& walker_of(const Model& m, const Step<I>& s) { return s.robot ? *s.robot : m.robot; }

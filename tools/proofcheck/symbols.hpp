@@ -13,16 +13,19 @@ namespace {
 // with the largest r (p - |d|), in units of the outputs' own remainders, is named first; and then p and
 // r are found again. Which are named decides how near bounds come, not whether they are true.
 
-constexpr size_t kSymbols = 16;
-constexpr double kShare = 0.05;       // Of a region, the part on which remainders are compared.
-constexpr double kLeastGain = 0.005;  // Of an output's remainder, for which a symbol is worth its time.
+// How many may be named; and of an output's remainder, the least part for which one is worth its time.
+// Off zero more are: terms of second order in xi do not shrink with boxes, and many share what is lost.
+struct SymbolLimits { size_t most; double least_gain; };
+constexpr SymbolLimits kSymbols = {16, 0.005}, kSymbolsOffZero = {32, 0.002};
+// Of a region, the part on which remainders are compared: the next one where some are infinite.
+constexpr double kShares[] = {0.05, 0.005, 5e-4, 5e-5};
 
 // About the middle of a region.
-Box middle_of(const Box& region) {
+Box middle_of(const Box& region, double share) {
   Box box = region;
   for (size_t axis = 0; axis < box.low.size(); ++axis) {
     const double centre = 0.5 * (region.low[axis] + region.high[axis]);
-    const double half = 0.5 * kShare * (region.high[axis] - region.low[axis]);
+    const double half = 0.5 * share * (region.high[axis] - region.low[axis]);
     box.low[axis] = std::max(region.low[axis], centre - half);
     box.high[axis] = std::min(region.high[axis], centre + half);
   }
@@ -36,8 +39,9 @@ struct Found {
 
 class SymbolChoice {
  public:
-  SymbolChoice(const vector<Element>& elements, vector<size_t> outputs)
-      : elements_(elements), outputs_(std::move(outputs)), named_(elements.size()) {}
+  SymbolChoice(const vector<Element>& elements, vector<size_t> outputs, double least_gain)
+      : elements_(elements), outputs_(std::move(outputs)), least_gain_(least_gain),
+        named_(elements.size()) {}
 
   // The element whose remainder is named next; none if none is worth it.
   std::optional<size_t> next(const vector<Found>& found) {
@@ -55,7 +59,7 @@ class SymbolChoice {
         most = std::max(most, gain);
       }
     }
-    if (most < kLeastGain) return {};
+    if (most < least_gain_) return {};
     const auto best = std::max_element(gains.begin(), gains.end());
     const auto number = static_cast<size_t>(best - gains.begin());
     named_[number] = true;
@@ -65,6 +69,7 @@ class SymbolChoice {
  private:
   const vector<Element>& elements_;
   const vector<size_t> outputs_;
+  const double least_gain_;
   vector<bool> named_;
   vector<double> whole_;          // Remainders of the outputs, before any was named.
   vector<double> slopes_, paths_;  // Of an output, by each element: d and p.

@@ -11,19 +11,9 @@ namespace {
 // intervals: for every point of the box some real choice of them gives the function's value. All
 // that has a higher degree is enclosed by an interval and added to the constant, which is therefore
 // also the remainder.
-//
-// With a slope s it is a function of a vector xi of the unit ball as well: s . xi is added. What is
-// of second degree in xi, or of first in both, joins the constant.
 
-template <bool Ball>
-struct Slope {};
-template <>
-struct Slope<true> {
-  vector<I> s;  // Empty: nothing depends on xi.
-};
-
-template <int N, bool Ball>
-struct Taylor : Slope<Ball> {
+template <int N>
+struct Taylor {
   static constexpr int kTerms = 1 + N + N * (N + 1) / 2;
   // The place of e_i e_j, i <= j.
   static constexpr size_t pair(int i, int j) {
@@ -43,28 +33,9 @@ struct Taylor : Slope<Ball> {
     for (size_t i = N + 1; i < kTerms; ++i) sum += magnitude(c[i]);
     return sum;
   }
-  // Bound on |s . xi|.
-  double length() const {
-    if constexpr (Ball) {
-      double sum = 0.0;
-      for (const I& slope : this->s) sum += magnitude(slope) * magnitude(slope);
-      return std::sqrt(sum);
-    }
-    return 0.0;
-  }
-  bool slopes() const {
-    if constexpr (Ball) return !this->s.empty();
-    return false;
-  }
 };
 
-template <class T>
-constexpr bool has_slopes = false;
-template <int N>
-constexpr bool has_slopes<Taylor<N, true>> = true;
-
-using TM = Taylor<2, false>;  // Functions of (phase, level).
-using BM = Taylor<2, true>;   // And of the outputs of the full order.
+using TM = Taylor<2>;  // Functions of (phase, level).
 
 // [low, high] as middle + radius * coordinate `axis`.
 template <class T>
@@ -75,54 +46,33 @@ T coordinate(double low, double high, int axis) {
   return a;
 }
 
-// Coefficient `axis` of xi, which has `count`.
-template <class T>
-T ball_coordinate(size_t axis, size_t count) {
-  T a(0.0);
-  a.s.assign(count, I(0.0));
-  a.s[axis] = I(1.0);
-  return a;
-}
-
-template <int N, bool B>
-inline Taylor<N, B> operator-(const Taylor<N, B>& a) {
-  Taylor<N, B> r;
+template <int N>
+inline Taylor<N> operator-(const Taylor<N>& a) {
+  Taylor<N> r;
   for (size_t i = 0; i < r.c.size(); ++i) r.c[i] = -a.c[i];
-  if constexpr (B)
-    for (const I& slope : a.s) r.s.push_back(-slope);
   return r;
 }
-template <int N, bool B>
-inline Taylor<N, B> operator+(const Taylor<N, B>& a, const Taylor<N, B>& b) {
-  Taylor<N, B> r;
+template <int N>
+inline Taylor<N> operator+(const Taylor<N>& a, const Taylor<N>& b) {
+  Taylor<N> r;
   for (size_t i = 0; i < r.c.size(); ++i) r.c[i] = a.c[i] + b.c[i];
-  if constexpr (B) {
-    r.s = a.slopes() ? a.s : b.s;
-    if (a.slopes() && b.slopes())
-      for (size_t k = 0; k < r.s.size(); ++k) r.s[k] = a.s[k] + b.s[k];
-  }
   return r;
 }
-template <int N, bool B>
-inline Taylor<N, B> operator-(const Taylor<N, B>& a, const Taylor<N, B>& b) {
-  if constexpr (B)
-    if (b.slopes()) return a + -b;
-  Taylor<N, B> r;
+template <int N>
+inline Taylor<N> operator-(const Taylor<N>& a, const Taylor<N>& b) {
+  Taylor<N> r;
   for (size_t i = 0; i < r.c.size(); ++i) r.c[i] = a.c[i] - b.c[i];
-  if constexpr (B) r.s = a.s;
   return r;
 }
-template <int N, bool B>
-inline Taylor<N, B> operator*(I k, const Taylor<N, B>& a) {
-  Taylor<N, B> r;
+template <int N>
+inline Taylor<N> operator*(I k, const Taylor<N>& a) {
+  Taylor<N> r;
   for (size_t i = 0; i < r.c.size(); ++i) r.c[i] = k * a.c[i];
-  if constexpr (B)
-    for (const I& slope : a.s) r.s.push_back(k * slope);
   return r;
 }
-template <int N, bool B>
-inline Taylor<N, B> operator*(const Taylor<N, B>& a, const Taylor<N, B>& b) {
-  using T = Taylor<N, B>;
+template <int N>
+inline Taylor<N> operator*(const Taylor<N>& a, const Taylor<N>& b) {
+  using T = Taylor<N>;
   T r;
   r.c[0] = a.c[0] * b.c[0];
   for (size_t i = 1; i < r.c.size(); ++i) r.c[i] = a.c[0] * b.c[i] + a.c[i] * b.c[0];
@@ -139,14 +89,6 @@ inline Taylor<N, B> operator*(const Taylor<N, B>& a, const Taylor<N, B>& b) {
   // Degree three and four.
   const double a1 = a.linear(), a2 = a.quadratic(), b1 = b.linear(), b2 = b.quadratic();
   r.c[0] = r.c[0] + symmetric(a1 * b2 + a2 * b1 + a2 * b2);
-  if constexpr (B) {
-    if (!a.slopes() && !b.slopes()) return r;
-    const double al = a.length(), bl = b.length();
-    r.c[0] = r.c[0] + symmetric((a1 + a2) * bl + (b1 + b2) * al + al * bl);
-    r.s.resize(std::max(a.s.size(), b.s.size()));
-    for (size_t k = 0; k < a.s.size(); ++k) r.s[k] = a.s[k] * b.c[0];
-    for (size_t k = 0; k < b.s.size(); ++k) r.s[k] = r.s[k] + b.s[k] * a.c[0];
-  }
   return r;
 }
 
@@ -167,11 +109,11 @@ double minus_parabola(I b, I a) {
   return found;
 }
 
-// Minus the least value over the box (and the ball). A polynomial that is monotone in a coordinate
+// Minus the least value over the box. A polynomial that is monotone in a coordinate
 // is least on an edge: there it is one of the others alone.
-template <int N, bool B>
-double minus_least(const Taylor<N, B>& a) {
-  using T = Taylor<N, B>;
+template <int N>
+double minus_least(const Taylor<N>& a) {
+  using T = Taylor<N>;
   auto c = a.c;
   const auto mixed = [&c](int i, int j) -> I& { return c[i < j ? T::pair(i, j) : T::pair(j, i)]; };
   bool gone[N] = {};
@@ -192,7 +134,7 @@ double minus_least(const Taylor<N, B>& a) {
       gone[i] = again = true;
     }
   }
-  double found = c[0].n + a.length();
+  double found = c[0].n;
   for (int i = 0; i < N; ++i) {
     if (gone[i]) continue;
     found += minus_parabola(c[static_cast<size_t>(1 + i)], mixed(i, i));
@@ -202,8 +144,8 @@ double minus_least(const Taylor<N, B>& a) {
   return found;
 }
 
-template <int N, bool B>
-I range(const Taylor<N, B>& a) {
+template <int N>
+I range(const Taylor<N>& a) {
   return finite(minus_least(a), minus_least(-a));
 }
 
@@ -216,8 +158,8 @@ struct Estimate {
   std::array<double, kMostAxes> least_at{};
 };
 
-template <int N, bool B>
-Estimate estimate(const Taylor<N, B>& a) {
+template <int N>
+Estimate estimate(const Taylor<N>& a) {
   Estimate found;
   found.range = range(a);
   for (int i = 0; i < N; ++i) {
@@ -335,13 +277,13 @@ T expanded(const T& a, Expansion (*near)(double, double)) {
 }
 
 // Sine and cosine together.
-template <int N, bool B>
-void sincos(const Taylor<N, B>& a, Taylor<N, B>& sine, Taylor<N, B>& cosine) {
+template <int N>
+void sincos(const Taylor<N>& a, Taylor<N>& sine, Taylor<N>& cosine) {
   const double m = middle(a.c[0]);
   const auto [s, c] = sincos_at(m);
-  Taylor<N, B> d = a;
+  Taylor<N> d = a;
   d.c[0] = d.c[0] - I(m);
-  const Taylor<N, B> half = I(0.5) * (d * d);
+  const Taylor<N> half = I(0.5) * (d * d);
   const double reach = magnitude(range(d)), cube = reach * reach * reach / 6.0;
   sine = c * d - s * half;
   sine.c[0] = sine.c[0] + s + symmetric(std::min(1.0, magnitude(c) + reach) * cube);
@@ -349,21 +291,21 @@ void sincos(const Taylor<N, B>& a, Taylor<N, B>& sine, Taylor<N, B>& cosine) {
   cosine.c[0] = cosine.c[0] + c + symmetric(std::min(1.0, magnitude(s) + reach) * cube);
 }
 
-template <int N, bool B>
-Taylor<N, B> exp(const Taylor<N, B>& a) { return expanded(a, exp_near); }
-template <int N, bool B>
-Taylor<N, B> tanh(const Taylor<N, B>& a) { return expanded(a, tanh_near); }
-template <int N, bool B>
-Taylor<N, B> logistic(const Taylor<N, B>& a) { return expanded(a, logistic_near); }
-template <int N, bool B>
-Taylor<N, B> softplus(const Taylor<N, B>& a) { return expanded(a, softplus_near); }
-template <int N, bool B>
-Taylor<N, B> inverse(const Taylor<N, B>& a) { return expanded(a, inverse_near); }
-template <int N, bool B>
-Taylor<N, B> root(const Taylor<N, B>& a) { return expanded(a, root_near); }
+template <int N>
+Taylor<N> exp(const Taylor<N>& a) { return expanded(a, exp_near); }
+template <int N>
+Taylor<N> tanh(const Taylor<N>& a) { return expanded(a, tanh_near); }
+template <int N>
+Taylor<N> logistic(const Taylor<N>& a) { return expanded(a, logistic_near); }
+template <int N>
+Taylor<N> softplus(const Taylor<N>& a) { return expanded(a, softplus_near); }
+template <int N>
+Taylor<N> inverse(const Taylor<N>& a) { return expanded(a, inverse_near); }
+template <int N>
+Taylor<N> root(const Taylor<N>& a) { return expanded(a, root_near); }
 
-template <int N, bool B>
-inline Taylor<N, B> operator/(const Taylor<N, B>& a, const Taylor<N, B>& b) {
+template <int N>
+inline Taylor<N> operator/(const Taylor<N>& a, const Taylor<N>& b) {
   return a * inverse(b);
 }
 

@@ -3,6 +3,7 @@
 from support.forgeries import (
     characters,
     code,
+    disturbed,
     full_order,
     models,
     names,
@@ -28,6 +29,7 @@ THEMES: dict[str, list[Forgery]] = {
         programs,
         parameters,
         full_order,
+        disturbed,
         models,
         other_runs,
         code,

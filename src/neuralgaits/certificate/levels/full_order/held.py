@@ -88,15 +88,15 @@ def frobenius(matrices: np.ndarray) -> float:
 def growth_bound(slopes: np.ndarray, bandwidth: float, *, tight: bool) -> float:
     """Bound the slope of S de/dt in xi, given those seen [n, m, 2m].
 
-    `tight` leaves less room than the C++ checker needs.
+    `tight` leaves less room.
     """
     m = slopes.shape[1]
     # Of a robot that nothing but its outputs moves, it is w^3 (1, 1).
     own = slopes + bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
     largest = float(np.sqrt(np.linalg.eigvalsh(slopes @ slopes.swapaxes(1, 2)).max()))
     # Room, as a multiple of the largest slope of the jerk that is seen: enclosures of third
-    # derivatives are wide. 1.5 is enough for the search; 3 is what the C++ checker needs, which
-    # derives exact linearisation with ticks at touchdowns.
+    # derivatives are wide. 1.5 is enough for the search, and for both checkers under a free clock
+    # and scheduled PD; 3 is from when the C++ checker named no remainders.
     room = 1.5 if tight else 3.0
     return largest + room * frobenius(own)
 

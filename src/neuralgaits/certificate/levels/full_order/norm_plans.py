@@ -116,7 +116,7 @@ class NormPlans:
         jerk, along, moved = samples.jerk
         self.jerk = Jerk(
             JERK * float(_size(jerk @ matrix.T).max()),
-            growth_bound(matrix @ along @ inverse_pair, bandwidth, tight=samples.beyond_cpp),
+            growth_bound(matrix @ along @ inverse_pair, bandwidth, tight=samples.tight),
             push_bound(matrix @ moved @ inverse, samples.law.in_xi),
         )
         self.kick = None

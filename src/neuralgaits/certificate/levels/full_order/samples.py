@@ -132,8 +132,8 @@ class GaitSamples:
     kick: WithPushSlopes | None = None
 
     @property
-    def beyond_cpp(self) -> bool:
-        """Whether the C++ checker derives no level 5 of them: a free clock, or a law of its own."""
+    def tight(self) -> bool:
+        """Whether held errors get little room: under a free clock, or a law of its own."""
         return self.kick is not None or bool(self.law.in_xi.any())
 
 
