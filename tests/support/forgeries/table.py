@@ -3,7 +3,7 @@
 from support.forgeries import (
     characters,
     code,
-    disturbed,
+    unstated,
     full_order,
     models,
     names,
@@ -29,7 +29,7 @@ THEMES: dict[str, list[Forgery]] = {
         programs,
         parameters,
         full_order,
-        disturbed,
+        unstated,
         models,
         other_runs,
         code,
