@@ -10,14 +10,24 @@ from collections import Counter
 import pytest
 
 from proofcheck.test_forgeries import PROGRAM
-from support.forgeries import disturbed, disturbed_base, disturbed_files, disturbed_runs
+from support.forgeries import (
+    disturbed,
+    disturbed_base,
+    disturbed_files,
+    disturbed_runs,
+)
 from support.forgeries.ask import answers, ask_header, ask_python, ask_report, complaints
 from support.forgeries.base import YES
 from support.forgeries.quick import all_but_the_first, statements_taken_as_checked, traced_once
 
 pytestmark = pytest.mark.slow
 LEAST_KINDS = 60
-THEMES = {"numbers": disturbed.THEME, "files": disturbed_files.THEME, "runs": disturbed_runs.THEME}
+THEMES = {
+    "numbers": disturbed.THEME,
+    "files": disturbed_files.THEME,
+    "laws": disturbed_laws.THEME,
+    "runs": disturbed_runs.THEME,
+}
 KINDS = [kind for theme in THEMES.values() for kind in theme.kinds]
 EVERY = 4
 """With a run or a page a forgery takes seconds: the benchmark asks all, and this every fourth."""

@@ -1,7 +1,5 @@
 """Level 5 with other numbers than those that were proved, of both laws and clocks."""
 
-import functools
-import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -12,7 +10,6 @@ from neuralgaits.certificate.proof_file.theorem_tables import (
     Theorems,
 )
 from support.forgeries.base import (
-    LOOSE,
     NO,
     UNREADABLE,
     UNTRUE,
@@ -46,6 +43,11 @@ def in_program(table: Table) -> None:
         for name, values in part.constants(found[level]).items():
             changes[f"{part.part}.{name}"] = lambda _, v=values: np.array(v)
     constants(table, changes)
+
+
+def false_first(table: Table, name: str) -> None:
+    """Move a false statement to the front, with a small first leaf, where that shows at once."""
+    first(table, name)["tree"] = "01" * 6 + "-" * 13
 
 
 def _changed(case: Case, change: Change) -> None:
@@ -94,7 +96,7 @@ def in_both(
             _changed(case, change)
             in_program(case.table)
             if false is not None:
-                first(case.table, false)
+                false_first(case.table, false)
 
 
 def _times(name: str, factor: float, place: int | None = None, level: int = 5) -> Change:
@@ -141,18 +143,22 @@ file_only("a push of one number", ("law",), lambda f, s: s["push"].pop(), UNREAD
 for _name in ("jerk", "growth_slope", "jerk_push"):
     _premise = f"disturbed/{_name.replace('_', '-')}"
     file_only(f"{_name} a third", TWO, _times(_name, 1 / 3))
-    in_both(f"{_name} a third", TWO, _times(_name, 1 / 3), UNTRUE, _premise)
+    in_both(f"{_name} a tenth", TWO, _times(_name, 0.1), UNTRUE, _premise)
     in_both(f"{_name} three times", TWO, _times(_name, 30.0))
 for _name in ("kick", "kick_slope", "kick_push"):
     _premise = f"disturbed/{_name.replace('_', '-')}"
     file_only(f"{_name} a third", ("free",), _times(_name, 1 / 3))
-    in_both(f"{_name} a third", FREE, _times(_name, 1 / 3), UNTRUE, _premise)
+    in_both(f"{_name} a tenth", FREE, _times(_name, 0.1), UNTRUE, _premise)
     in_both(f"{_name} ten times", ("lawfree",), _times(_name, 10.0))
 file_only("kick_peak halved", ("free",), _times("kick_peak", 0.5))
 in_both("kick_peak halved", FREE, _times("kick_peak", 0.5))
 in_both("kick_peak ten times", ("free",), _times("kick_peak", 10.0))
 in_both("kick_peak negative", ("lawfree",), _times("kick_peak", -1.0))
-file_only("kick_end by one last place", FREE, lambda f, s: s.update(kick_end=number(s["kick_end"], ulps=1)))
+file_only(
+    "kick_end by one last place",
+    FREE,
+    lambda f, s: s.update(kick_end=number(s["kick_end"], ulps=1)),
+)
 file_only("peak halved", TWO, _all_times("peak", 0.5))
 in_both("peak halved", TWO, _all_times("peak", 0.5))
 in_both("peak twenty times", ("held", "law"), _all_times("peak", 20.0), UNTRUE, "disturbed/contact")
@@ -160,8 +166,13 @@ in_both("peak twenty times", FREE, _all_times("peak", 20.0))
 
 file_only("decay a third more", SCHEDULED, _times("decay", 4 / 3))
 in_both("decay a third more", SCHEDULED, _times("decay", 4 / 3), UNTRUE, "disturbed/decay")
-in_both("decay that of exact linearisation", SCHEDULED, lambda f, s: s.update(
-    decay=number(f["bandwidth"], 1.5)), UNTRUE, "disturbed/decay")
+in_both(
+    "decay that of exact linearisation",
+    SCHEDULED,
+    lambda f, s: s.update(decay=number(f["bandwidth"], 1.5)),
+    UNTRUE,
+    "disturbed/decay",
+)
 in_both("decay a third", SCHEDULED, _times("decay", 1 / 3))
 in_both("decay of growth", ("law",), _times("decay", -1.0))
 file_only("rest a hundredth", SCHEDULED, _times("rest", 0.01))
@@ -182,10 +193,12 @@ file_only("no least radius", TWO, _is("least_radius", 0.0, 4))
 in_both("least radius negative", ("held",), _times("least_radius", -1.0, None, 4))
 in_both("least radius a tenth", TWO, _times("least_radius", 0.1, None, 4))
 file_only("R_0 half as much again", TWO, _times("radius", 1.5, None, 4))
-in_both("R_0 ten times", ("held", "free"), _times("radius", 10.0, None, 4), UNTRUE, "disturbed/torque")
+in_both(
+    "R_0 ten times", ("held", "free"), _times("radius", 10.0, None, 4), UNTRUE, "disturbed/torque"
+)
 file_only("a bandwidth of 55 for another", TWO, _is("bandwidth", 54.0, 4))
 in_both(
-    "a bandwidth a tenth higher", TWO, _times("bandwidth", 1.1, None, 4), UNTRUE,
+    "a bandwidth half as high again", TWO, _times("bandwidth", 1.5, None, 4), UNTRUE,
     "disturbed/growth-slope",
 )  # fmt: skip
 
@@ -238,7 +251,9 @@ def _end(what: str, factor: float) -> None:
         def _(case: Case) -> None:
             shape = parameters(case.table, 5)
             shape["kick_end"] = number(shape["kick_end"], factor)
-            statement_of(case.table, "disturbed/kick-contact")["root"]["high"][0] = shape["kick_end"]
+            statement_of(case.table, "disturbed/kick-contact")["root"]["high"][0] = shape[
+                "kick_end"
+            ]
 
 
 _end("kick_end half as far", 0.5)

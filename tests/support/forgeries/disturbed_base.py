@@ -65,7 +65,9 @@ def make(scratch: Path, *, boxes: bool = False) -> Base:
         else:
             (folder / PROOF).write_text(json.dumps(_table(open_run(folder), about)))
             _add_levels(folder)
-    return Base({about: json.loads((runs[about] / PROOF).read_text()) for about in runs}, runs, scratch)
+    return Base(
+        {about: json.loads((runs[about] / PROOF).read_text()) for about in runs}, runs, scratch
+    )
 
 
 def theorem(about: About, run: Run) -> Parameters:

@@ -10,13 +10,18 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from support.forgeries.base import About, Answer, Case, Table, Theme, refused, true
-from support.forgeries.disturbed import SCHEDULED, in_program
-from support.forgeries.disturbed_files import KICK, KICK_PREMISES, LAW, OTHER_CLOCK, OTHER_LAW
-from support.forgeries.edits import NOBODY, constantly, first, number, parameters, put, without
-from support.forgeries.edits import program_of
+from support.forgeries.disturbed import false_first, in_program
+from support.forgeries.disturbed_laws import KICK, KICK_PREMISES, LAW, OTHER_CLOCK, OTHER_LAW
+from support.forgeries.edits import (
+    NOBODY,
+    constantly,
+    number,
+    parameters,
+    program_of,
+    put,
+    without,
+)
 from support.forgeries.runs import PROOF, SUMMARY, renew_summary
 
 THEME = Theme("lawfree")
@@ -79,15 +84,24 @@ def _(proof: Table, summary: Table, _: Case) -> None:
     del proof["note"]
 
 
-@_kind("a free clock in the summary alone", "held", "law", report=FIVE, header=replace(
-    true("one of them at each touchdown"), never="wherever touchdowns lie"))
+@_kind(
+    "a free clock in the summary alone",
+    "held",
+    "law",
+    report=FIVE,
+    header=replace(true("one of them at each touchdown"), never="wherever touchdowns lie"),
+)
 def _(_: Table, summary: Table, __: Case) -> None:
     _fifth(summary)["words"] = ["whatever ticks there are, wherever touchdowns lie between them"]
     _fifth(summary)["figures"] = {"kick": 1.0, "kick_peak": 2.0}
 
 
-@_kind("another law in the summary alone", *TWO, report=FIVE, header=replace(
-    true("proved for ticks"), never="(^| )pd( at [0-9]+ rad/s)?: proved"))
+@_kind(
+    "another law in the summary alone",
+    *TWO,
+    report=FIVE,
+    header=replace(true("proved for ticks"), never="(^| )pd( at [0-9]+ rad/s)?: proved"),
+)
 def _(_: Table, summary: Table, __: Case) -> None:
     _fifth(summary)["words"] = ["under the law pd, whatever its gains"]
 
@@ -154,7 +168,7 @@ def _(proof: Table, _: Table, __: Case) -> None:
     shape = parameters(proof, 5)
     shape["decay"] = number(shape["decay"], 4 / 3)
     in_program(proof)
-    first(proof, "disturbed/decay")
+    false_first(proof, "disturbed/decay")
 
 
 @_kind("slower errors in theorem and Program, and a longer hold", "held", bounded=True)
@@ -164,7 +178,7 @@ def _(proof: Table, _: Table, __: Case) -> None:
         shape[name] = number(shape[name], 0.5)
     shape["hold"] = number(shape["hold"], 1.02)
     in_program(proof)
-    first(proof, "disturbed/jerk")
+    false_first(proof, "disturbed/jerk")
 
 
 @_kind("a smaller kick in theorem and Program", "free", bounded=True)
@@ -172,7 +186,7 @@ def _(proof: Table, _: Table, __: Case) -> None:
     shape = parameters(proof, 5)
     shape["kick"] = number(shape["kick"], 0.25)
     in_program(proof)
-    first(proof, "disturbed/kick")
+    false_first(proof, "disturbed/kick")
 
 
 @_kind("less rest in theorem and Program", "lawfree", bounded=True)
@@ -180,7 +194,7 @@ def _(proof: Table, _: Table, __: Case) -> None:
     shape = parameters(proof, 5)
     shape["rest"] = number(shape["rest"], 0.01)
     in_program(proof)
-    first(proof, "disturbed/rest")
+    false_first(proof, "disturbed/rest")
 
 
 @_kind("level 5 that is not claimed", *TWO)
@@ -263,7 +277,9 @@ def _folder(
         for about in abouts:
             answers = {"cpp": None, "alone": None, "run": None}
 
-            @THEME.forgery(f"{what} ({about})", about=about, report=report, header=header, **answers)
+            @THEME.forgery(
+                f"{what} ({about})", about=about, report=report, header=header, **answers
+            )
             def _(case: Case) -> None:
                 change(case.folder(), case)
 
