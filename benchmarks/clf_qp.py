@@ -140,7 +140,9 @@ def _places(gait: Gait, z: Array) -> Array:
     return jax.vmap(lambda one: jnp.stack([gait.phase(one[0]), gait.level(one)]))(z)
 
 
-def tick_times(run: Run, law: str, torque_limit: float = LIMIT, ticks: int = TICKS) -> np.ndarray:
+def tick_times(
+    run: Run, law: str | AbstractLaw, torque_limit: float = LIMIT, ticks: int = TICKS
+) -> np.ndarray:
     """Processor time of each tick of a walk in C, policy and a call from Python included (us)."""
     library = library_of(run)
     start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]

@@ -1,12 +1,14 @@
 """Every kind of structural forgery, and what each checker answers.
 
 The table is tests/support/forgeries/: names that shadow premises, regions cut down, Programs
-that say 1, theorems with other parameters, other robots, parts of other runs, hostile spec files.
+that say 1, theorems with other parameters, other robots, parts of other runs, hostile spec files,
+and, of level 5, other holds, clocks, laws, gains and kicks than those that were proved.
 A checker may accept a file only where what it then says is true; how many it accepts otherwise
 stands in the last line.
 
 Premises of levels 2 to 4 are taken as checked where a forgery is one of structure; `--boxes`
-bounds them all, which takes an hour. Words restrict the themes: `forgeries.py regions trees`.
+bounds them all, which takes an hour, and hours for level 5. Words restrict the themes:
+`forgeries.py regions trees`, `forgeries.py level-5-laws`.
 """
 
 import contextlib
@@ -21,15 +23,19 @@ from pathlib import Path
 from common import show
 
 # What is forged is the tests'.
+from support.forgeries import disturbed_base
 from support.forgeries.ask import Heard, answers, complaints
 from support.forgeries.base import EXIT, YES, Base, Forgery
+from support.forgeries.disturbed_table import LEVEL_5
 from support.forgeries.quick import statements_taken_as_checked, traced_once
 from support.forgeries.runs import make
 from support.forgeries.table import THEMES
 
 REPOSITORY = Path(__file__).parents[1]
 PROGRAM = REPOSITORY / "build" / "proofcheck"
-CHECKERS = ("cpp", "alone", "run", "report")
+CHECKERS = ("cpp", "alone", "run", "report", "header")
+TABLES = (THEMES, make), (LEVEL_5, disturbed_base.make)
+"""Themes, and what makes the true proofs that they start from."""
 WIDTH = 66
 
 
@@ -37,16 +43,18 @@ def main(themes: list[str], *, boxes: bool) -> None:
     """Print the table, theme by theme, and the counts."""
     subprocess.run(["make", "--silent", "proofcheck"], cwd=REPOSITORY, check=True)
     start_time, counts = time.perf_counter(), Counter[str]()
-    with tempfile.TemporaryDirectory() as folder, traced_once({}):
-        base = make(Path(folder), boxes=boxes)
-        head = ("C++", "Python", "with run", "report")
-        print(f"{'kind':{WIDTH}} " + " ".join(f"{name:12}" for name in head))
-        for theme, kinds in THEMES.items():
-            if themes and theme not in themes:
-                continue
-            print(f"-- {theme}")
-            for kind in kinds:
-                print(line(kind, base, boxes, counts), flush=True)
+    head = ("C++", "Python", "with run", "report", "header")
+    print(f"{'kind':{WIDTH}} " + " ".join(f"{name:12}" for name in head))
+    for table, maker in TABLES:
+        chosen = {name: table[name] for name in table if not themes or name in themes}
+        if not chosen:
+            continue
+        with tempfile.TemporaryDirectory() as folder, traced_once({}):
+            base = maker(Path(folder), boxes=boxes)
+            for theme, kinds in chosen.items():
+                print(f"-- {theme}")
+                for kind in kinds:
+                    print(line(kind, base, boxes, counts), flush=True)
     show("kinds of forgery", str(counts["kinds"]), "45 or more")
     show("accepted because what is said is true", str(counts["true"]))
     show("answered otherwise than they should be", str(counts["wrong"]), "0")

@@ -5,7 +5,8 @@ and further back; the last table walks the standard set of disturbances under se
 walks of 25 steps of each of the first three seeds. Asked of scheduled-pd there: no more falls than
 pd; undisturbed at most 2 mrad of output error, no tick at a torque limit, 5 us a tick in C.
 
-SEEDS, STARTS and STEPS shorten it; PARTS=torso,set some of the parts; LAWS=pd,fblin other laws.
+SEEDS, STARTS and STEPS shorten it; PARTS=torso,set some of the parts; LAWS=pd,fblin other laws,
+LAWS=scheduled-pd@55 a law with a bandwidth of 55 rad/s.
 """
 
 import os
@@ -15,7 +16,8 @@ from clf_qp import library_of, tick_times
 from common import seeds, show, trained
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control import AbstractLaw
+from neuralgaits.control.law_by_name import at_bandwidth, law_for
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.metrics import summary
@@ -35,6 +37,12 @@ TAIL = "amber3m-tail"
 TAIL_SHIFT_M = -0.03
 
 
+def named(law: str) -> AbstractLaw:
+    """A law by name, or by name and bandwidth [rad/s] as in scheduled-pd@55."""
+    name, _, bandwidth = law.partition("@")
+    return at_bandwidth(name, float(bandwidth) if bandwidth else None)
+
+
 def walked(
     run: Run, plant: str, disturbance: PlantChanges, controller: str, steps: int = STEPS
 ) -> WalkFigures:
@@ -46,7 +54,7 @@ def walked(
             run.zero_dynamics, run.gait, "region", seed=run.folder.config["seed"], episodes=STARTS
         ),
         plant=load_robot(plant),
-        controller=law_for(controller, run.robot, run.gait),
+        controller=law_for(named(controller), run.robot, run.gait),
         steps=steps,
         z2_range=momentum_range(run.gait),
         disturbance=disturbance,
@@ -85,7 +93,7 @@ def standard_set(runs: list[Run]) -> None:
     for law, fell in falls.items():
         show(f"all disturbances: {law}", f"{fell} of {len(DISTURBANCE_SET) * STARTS * len(runs)}")
     for law in LAWS:
-        half, most = np.percentile(tick_times(runs[0], law, 41.0), [50, 99])
+        half, most = np.percentile(tick_times(runs[0], named(law), 41.0), [50, 99])
         show(f"{law}: tick, p50, p99", f"{half:.1f}, {most:.1f} us")
 
 

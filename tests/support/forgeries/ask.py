@@ -1,5 +1,6 @@
 """What the checkers answer, in one word and all that they print."""
 
+import hashlib
 import json
 import subprocess
 import sys
@@ -9,12 +10,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.analysis.run import open_run
+from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.run_certificate.verified_summary import (
+    CertificateReading,
+    read_certificate,
+)
 from neuralgaits.errors import NeuralGaitsError, RunError
+from neuralgaits.export.design import Design
+from neuralgaits.records.certified import PROOF
 from neuralgaits.report.certificate import ProvedOfGait, certificate_of
 from neuralgaits.report.shown_walk import kept_walk, request_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.check_proof import check_proof
+from neuralgaits.workflows.export import design_of, with_monitor
 from neuralgaits.workflows.report import saved_of
 from support.forgeries.base import Forged, Forgery
 
@@ -95,6 +104,39 @@ def ask_report(run: Path) -> Heard:
     return Heard(word, f"level {level}{boast}")
 
 
+def ask_header(run: Path) -> Heard:
+    """What the comment of `gait.h` says of its laws; `proved` if that of one is.
+
+    The laws have the bandwidth that the proof file states, as who exports it would ask for.
+    """
+    opened, certificate = open_run(run), read_certificate(RunFolder.open(run))
+    try:
+        full = read_claims(run / PROOF).theorems.full
+    except NeuralGaitsError:
+        full = None
+    design = _design(opened, None if full is None else full.bandwidth)
+    design, _ = with_monitor(design, opened, certificate)
+    monitor = design.monitor
+    words = [one.words for one in design.law_proofs]
+    if monitor is not None:
+        hold = "none" if monitor.hold_s is None else f"{1e3 * monitor.hold_s:.7g} ms"
+        words.append(f"monitor of levels {monitor.levels}, hold {hold}")
+    proved = any(one.proved for one in design.law_proofs)
+    return Heard("proved" if proved else "none", "\n".join(words))
+
+
+def _design(run: Run, bandwidth: float | None) -> Design:
+    """The exported controller of a run, made once for each gait and bandwidth: seconds."""
+    weights = (run.path / "policy.safetensors").read_bytes()
+    key = hashlib.sha256(weights).hexdigest(), bandwidth
+    if key not in _DESIGNS:
+        _DESIGNS[key] = design_of(run, CertificateReading(), bandwidth=bandwidth)
+    return _DESIGNS[key]
+
+
+_DESIGNS: dict[tuple[str, float | None], Design] = {}
+
+
 def _walk_kept(path: Path) -> str:
     """What the page would show of a walk without walking it; empty if it would walk."""
     try:
@@ -121,6 +163,8 @@ def answers(
             heard[checker] = ask_cpp(program, file)
         elif checker == "report":
             heard[checker] = ask_report(forged.run)
+        elif checker == "header":
+            heard[checker] = ask_header(forged.run)
         elif checker == "run" and forgery.process:
             heard[checker] = ask_process(file, forged.run)
         else:

@@ -16,7 +16,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 Table = dict[str, Any]
-About = Literal["small", "walk", "full", "feet", "belief", "speeds", "cartpole", "hopper", "space"]
+About = Literal[
+    "small", "walk", "full", "feet", "belief", "speeds", "cartpole", "hopper", "space",
+    "held", "free", "law", "lawfree", "robots",
+]  # fmt: skip
 Content = Table | str | bytes
 EXIT = {
     "proved": 0,
@@ -27,7 +30,13 @@ EXIT = {
     "crashed": 70,
 }
 """Exit code of each answer."""
-YES = {"cpp": "proved", "alone": "consistent", "run": "proved", "report": "proved"}
+YES = {
+    "cpp": "proved",
+    "alone": "consistent",
+    "run": "proved",
+    "report": "proved",
+    "header": "proved",
+}
 """The word with which a checker accepts. Without a run nothing is ever proved."""
 
 
@@ -113,7 +122,7 @@ class Base:
     Attributes:
         proofs: "small" is level 1 of two conditions, the region of one in two boxes; "walk" is
             levels 1 to 3 of the default gait; "full" is all four. The others are those of
-            `system_bases`.
+            `system_bases` and `disturbed_base`.
         runs: folder of each.
         scratch: where spoilt copies go.
     """
@@ -151,7 +160,8 @@ class Forgery:
         kind: in words.
         about: the true proof that it starts from.
         maker: spoils it; what it returns, if anything, is the content.
-        answers: by checker: cpp, alone, run; report where a run's page must not believe it.
+        answers: by checker: cpp, alone, run; report where a run's page must not believe it, header
+            where the C that is exported must not.
         bounded: whether Python has to bound boxes to find out; else statements may be taken as
             checked, which costs nothing.
         process: whether the run's code attacks the process that opens it.
@@ -192,12 +202,13 @@ class Theme:
         alone: Answer | None = NO,
         run: Answer | None = NO,
         report: Answer | None = None,
+        header: Answer | None = None,
         about: About | None = None,
         bounded: bool = False,
         process: bool = False,
     ) -> Callable[[Maker], Maker]:
         """Register a maker with the answers that are right; a checker without one is not asked."""
-        asked = {"cpp": cpp, "alone": alone, "run": run, "report": report}
+        asked = {"cpp": cpp, "alone": alone, "run": run, "report": report, "header": header}
         answers = {checker: answer for checker, answer in asked.items() if answer is not None}
 
         def register(maker: Maker) -> Maker:

@@ -40,6 +40,14 @@ def stated(proof: Path) -> frozenset[str]:
     return frozenset(_stated(found.program, statement) for statement in found.statements)
 
 
+def all_but_the_first(content: bytes, folder: Path) -> frozenset[str]:
+    """What a forged file states, as in `stated`, but for the statement at its front."""
+    file = folder / "stated.json"
+    file.write_bytes(content)
+    found = claims.read_claims(file)
+    return frozenset(_stated(found.program, statement) for statement in found.statements[1:])
+
+
 @contextmanager
 def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator[None]:
     """No box is bounded: what is judged is the file, and what is concluded from it.
