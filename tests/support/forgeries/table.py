@@ -3,7 +3,6 @@
 from support.forgeries import (
     characters,
     code,
-    unstated,
     full_order,
     models,
     names,
@@ -15,6 +14,7 @@ from support.forgeries import (
     summaries,
     texts,
     trees,
+    unstated,
     walks,
 )
 from support.forgeries.base import Forgery
