@@ -235,8 +235,8 @@ def stopped_after(monkeypatch):
     whole = seeds_in_parallel.SeedsInParallel.train
 
     def after(count):
-        def train(self, numbers, progress):
-            whole(self, numbers[:count], progress)
+        def train(self, numbers, *others):
+            whole(self, numbers[:count], *others)
             raise KeyboardInterrupt
 
         monkeypatch.setattr(seeds_in_parallel.SeedsInParallel, "train", train)

@@ -6,7 +6,7 @@ here: on a processor it takes as long for each seed, and it rounds sums in anoth
 
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
 from pathlib import Path
@@ -58,18 +58,26 @@ class SeedsInParallel:
         self._stopped = False
         self._lock = threading.Lock()
 
-    def train(self, numbers: range, progress: Progress | None) -> None:
+    def train(
+        self,
+        numbers: range,
+        progress: Progress | None,
+        begun: Callable[[], None] | None = None,
+    ) -> None:
         """Train seeds, and finish their folders.
 
         Args:
             numbers: the seeds.
             progress: called with (steps of all seeds done, in all, mean loss) now and then, from
                 one thread at a time, which need not be this one.
+            begun: called before compiling.
 
         Raises: InputError if gaits of some seeds differ in more than the trained weights;
             KeyboardInterrupt.
         """
         start_time = time.perf_counter()
+        if begun is not None:
+            begun()
         # Threads that meet in a call compile it twice.
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
         compiled = time.perf_counter()

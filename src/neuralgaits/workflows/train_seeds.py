@@ -60,11 +60,9 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     doubt = gait_doubt(robot, settings.speed, settings.step_length)
     if doubt is not None and settings.doubted is not None:
         settings.doubted(doubt)
-    if settings.begun is not None:
-        settings.begun()
     many = SeedsInParallel(first, path, root, len(numbers))
     try:
-        many.train(numbers, settings.progress)
+        many.train(numbers, settings.progress, settings.begun)
     except KeyboardInterrupt as stop:
         if len(many.done) + len(many.refused) < len(numbers):
             raise _interruption(many, numbers) from stop
