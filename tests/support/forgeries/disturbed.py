@@ -112,7 +112,9 @@ def _times(name: str, factor: float, place: int | None = None, level: int = 5) -
 
 def _is(name: str, value: float | str, level: int = 5) -> Change:
     def change(full: Table, shape: Table) -> None:
-        (full if level == 4 else shape)[name] = value if isinstance(value, str) else value.hex()
+        (full if level == 4 else shape)[name] = (
+            value if isinstance(value, str) else float(value).hex()
+        )
 
     return change
 

@@ -8,6 +8,7 @@ import copy
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from support.forgeries.base import About, Answer, Case, Table, Theme, refused, true
 from support.forgeries.disturbed_laws import KICK, KICK_PREMISES, LAW, OTHER_CLOCK, OTHER_LAW
@@ -40,7 +41,7 @@ def _kind(
 
     def register(change: Callable[[Table, Table, Case], object]) -> None:
         for about in abouts or (THEME.about,):
-            answers = {"cpp": None, "alone": None, "run": None}
+            answers: dict[str, Any] = {"cpp": None, "alone": None, "run": None}
             answers |= {"report": report, "header": header}
 
             @THEME.forgery(f"{what} ({about})", about=about, bounded=bounded, **answers)
