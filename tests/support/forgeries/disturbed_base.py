@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -34,7 +34,7 @@ from support.forgeries.edits import claim, root
 from support.forgeries.runs import PROOF, SUMMARY, renew_summary
 
 CONSTANTS = Path(__file__).with_name("disturbed_constants.json")
-LAWS: Mapping[About, tuple[str, str]] = {
+LAWS: Mapping[About, tuple[Literal["fblin", "scheduled-pd"], Literal["touchdown", "free"]]] = {
     "held": ("fblin", "touchdown"),
     "free": ("fblin", "free"),
     "law": ("scheduled-pd", "touchdown"),

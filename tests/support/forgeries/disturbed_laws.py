@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from support.forgeries.base import LOOSE, NO, UNREADABLE, UNTRUE, About, Answer, Case, Theme
-from support.forgeries.disturbed import FREE, SCHEDULED, false_first, in_program
+from support.forgeries.base import LOOSE, NO, UNREADABLE, About, Case, Theme
+from support.forgeries.disturbed import FREE, SCHEDULED, in_program
 from support.forgeries.disturbed_files import kind_of as any_kind_of
 from support.forgeries.disturbed_files import premise_of
 from support.forgeries.edits import (
@@ -181,13 +181,9 @@ def _(case: Case) -> None:
 
 
 def _gains(
-    what: str,
-    change: Callable[[np.ndarray], np.ndarray],
-    name: str,
-    false: str | None = None,
-    own: Answer = LOOSE,
+    what: str, change: Callable[[np.ndarray], np.ndarray], name: str, *, true: bool = False
 ) -> None:
-    """Coefficients of the law, in the theorem alone and in the Program as well."""
+    """Coefficients of the law in the theorem alone; in the Program as well, if that is true."""
 
     def changed(case: Case) -> None:
         shape = parameters(case.table, 5)
@@ -198,19 +194,13 @@ def _gains(
     def _(case: Case) -> None:
         changed(case)
 
-    @kind_of(
-        f"{what}, in the Program too",
-        "lawfree",
-        cpp=None,
-        alone=UNTRUE if false else own,
-        run=UNTRUE if false else own,
-        bounded=false is not None,
-    )
+    if not true:
+        return
+
+    @kind_of(f"{what}, in the Program too", "lawfree", cpp=None, alone=LOOSE, run=LOOSE)
     def _(case: Case) -> None:
         changed(case)
         in_program(case.table)
-        if false is not None:
-            false_first(case.table, f"disturbed/{false}")
 
 
 def _one(values: np.ndarray) -> np.ndarray:
@@ -218,16 +208,18 @@ def _one(values: np.ndarray) -> np.ndarray:
     return values
 
 
-_gains("all gains of the inertia halved", lambda x: 0.5 * x, "inertia_gains", "decay")
-_gains("no gains of the inertia", lambda x: 0.0 * x, "inertia_gains", "decay")
-_gains("gains of the inertia with another sign", lambda x: -x, "inertia_gains", "decay")
-_gains("a torque of 5 N m more", _one, "torque_gains", "rest")
-_gains("no feed-forward torque", lambda x: 0.0 * x, "torque_gains", "rest")
+_gains("all gains of the inertia halved", lambda x: 0.5 * x, "inertia_gains")
+_gains("no gains of the inertia", lambda x: 0.0 * x, "inertia_gains")
+_gains("gains of the inertia with another sign", lambda x: -x, "inertia_gains")
+_gains("a torque of 5 N m more", _one, "torque_gains")
+_gains("no feed-forward torque", lambda x: 0.0 * x, "torque_gains")
 # What is then proved is true, and of the file's polynomials: the header says that it has others.
-_gains("gains of the inertia by a millionth", lambda x: x * (1.0 + 1e-6), "inertia_gains")
-_gains("a degree of the torque less", lambda x: x[: 4 * 17 * 8], "torque_gains", own=NO)
-_gains("a degree of the inertia less", lambda x: x[: 16 * 11 * 3], "inertia_gains", own=NO)
-_gains("one coefficient alone", lambda x: x[:1], "torque_gains", own=NO)
+_gains(
+    "gains of the inertia by a millionth", lambda x: x * (1.0 + 1e-6), "inertia_gains", true=True
+)
+_gains("a degree of the torque less", lambda x: x[: 4 * 17 * 8], "torque_gains")
+_gains("a degree of the inertia less", lambda x: x[: 16 * 11 * 3], "inertia_gains")
+_gains("one coefficient alone", lambda x: x[:1], "torque_gains")
 
 
 def _text(what: str, value: Any) -> None:

@@ -8,18 +8,13 @@ import copy
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
+from typing import Any
 
 from support.forgeries.base import About, Answer, Case, Table, Theme, refused, true
-from support.forgeries.disturbed import false_first, in_program
 from support.forgeries.disturbed_laws import KICK, KICK_PREMISES, LAW, OTHER_CLOCK, OTHER_LAW
 from support.forgeries.edits import (
-    NOBODY,
-    constantly,
     number,
     parameters,
-    program_of,
-    put,
     without,
 )
 from support.forgeries.runs import PROOF, SUMMARY, renew_summary
@@ -46,7 +41,7 @@ def _kind(
 
     def register(change: Callable[[Table, Table, Case], object]) -> None:
         for about in abouts or (THEME.about,):
-            answers = {"cpp": None, "alone": None, "run": None}
+            answers: dict[str, Any] = {"cpp": None, "alone": None, "run": None}
             answers |= {"report": report, "header": header}
 
             @THEME.forgery(f"{what} ({about})", about=about, bounded=bounded, **answers)
@@ -147,172 +142,3 @@ def _(proof: Table, summary: Table, case: Case) -> None:
 @_kind("a bandwidth of 60 in the theorem", *TWO)
 def _(proof: Table, _: Table, __: Case) -> None:
     parameters(proof, 4)["bandwidth"] = (60.0).hex()
-
-
-@_kind("a bandwidth of 60 in theorem and Program", "lawfree")
-def _(proof: Table, _: Table, __: Case) -> None:
-    parameters(proof, 4)["bandwidth"] = (60.0).hex()
-    in_program(proof)
-
-
-@_kind("gains that are another controller's", "lawfree", report=FIVE)
-def _(proof: Table, _: Table, __: Case) -> None:
-    """A true proof of the file's polynomials, and not of those that are exported."""
-    shape = parameters(proof, 5)
-    shape["inertia_gains"] = [number(text, 1.0 + 1e-6) for text in shape["inertia_gains"]]
-    in_program(proof)
-
-
-@_kind("a faster decay in theorem and Program", "lawfree", bounded=True)
-def _(proof: Table, _: Table, __: Case) -> None:
-    shape = parameters(proof, 5)
-    shape["decay"] = number(shape["decay"], 4 / 3)
-    in_program(proof)
-    false_first(proof, "disturbed/decay")
-
-
-@_kind("slower errors in theorem and Program, and a longer hold", "held", bounded=True)
-def _(proof: Table, _: Table, __: Case) -> None:
-    shape = parameters(proof, 5)
-    for name in ("jerk", "growth_slope", "jerk_push"):
-        shape[name] = number(shape[name], 0.5)
-    shape["hold"] = number(shape["hold"], 1.02)
-    in_program(proof)
-    false_first(proof, "disturbed/jerk")
-
-
-@_kind("a smaller kick in theorem and Program", "free", bounded=True)
-def _(proof: Table, _: Table, __: Case) -> None:
-    shape = parameters(proof, 5)
-    shape["kick"] = number(shape["kick"], 0.25)
-    in_program(proof)
-    false_first(proof, "disturbed/kick")
-
-
-@_kind("less rest in theorem and Program", "lawfree", bounded=True)
-def _(proof: Table, _: Table, __: Case) -> None:
-    shape = parameters(proof, 5)
-    shape["rest"] = number(shape["rest"], 0.01)
-    in_program(proof)
-    false_first(proof, "disturbed/rest")
-
-
-@_kind("level 5 that is not claimed", *TWO)
-def _(proof: Table, _: Table, __: Case) -> None:
-    proof["theorems"][-1]["claimed"] = False
-
-
-@_kind("level 5 that is not claimed, and level 4 asked", "lawfree", report=refused("4"))
-def _(proof: Table, summary: Table, _: Case) -> None:
-    proof["theorems"][-1]["claimed"] = False
-    summary["levels"].pop()
-    summary["level"] = 4
-
-
-@_kind("a premise of level 5 without a statement", *TWO)
-def _(proof: Table, _: Table, __: Case) -> None:
-    without(proof, ["disturbed/jerk"])
-
-
-@_kind("no premise of level 5", "lawfree")
-def _(proof: Table, _: Table, __: Case) -> None:
-    names = {name for one in proof["statements"] for name in one["conditions"]}
-    without(proof, [name for name in names if name.startswith("disturbed/")])
-
-
-@_kind("no statement but level 5's", "lawfree")
-def _(proof: Table, _: Table, __: Case) -> None:
-    proof["statements"] = [s for s in proof["statements"] if s["region"] == "disturbed"]
-
-
-@_kind("premises of level 5 that say 1", "lawfree")
-def _(proof: Table, _: Table, __: Case) -> None:
-    names = [row[0] for row in proof["program"]["outputs"]]
-    constantly(proof, [name for name in names if name.startswith("disturbed/")])
-
-
-@_kind("the Program of the other clock", "lawfree")
-def _(proof: Table, _: Table, case: Case) -> None:
-    put(proof, program_of(case.base.proofs["law"]))
-
-
-@_kind("level 5 of other weights", "lawfree")
-def _(proof: Table, _: Table, __: Case) -> None:
-    proof["weights_sha256"] = NOBODY
-
-
-@_kind("level 5 of another robot", "lawfree")
-def _(proof: Table, _: Table, __: Case) -> None:
-    proof["robot"]["sha256"] = NOBODY
-
-
-@_kind("level 5 of a box of robots, in the summary", "lawfree")
-def _(_: Table, summary: Table, __: Case) -> None:
-    summary["parameters"] = {"mass": 0.02}
-
-
-@_kind("level 5 on a floor of unknown height, in the summary", "lawfree")
-def _(_: Table, summary: Table, __: Case) -> None:
-    summary["parameters"] = {"floor": 0.005}
-
-
-@_kind("level 5 of the authors' own barriers", "lawfree")
-def _(proof: Table, _: Table, __: Case) -> None:
-    parameters(proof, 5)["barriers"][0]["name"] = "safe"
-
-
-@_kind("a least radius above R_0", "held")
-def _(proof: Table, _: Table, __: Case) -> None:
-    full = parameters(proof, 4)
-    full["least_radius"] = number(full["radius"], 1.01)
-    in_program(proof)
-
-
-def _folder(
-    what: str, *abouts: About, report: Answer | None = NO_LEVEL, header: Answer = NO_LAW
-) -> Callable[[Callable[[Path, Case], object]], None]:
-    """Register a change of the folder, after which no hash is made anew."""
-
-    def register(change: Callable[[Path, Case], object]) -> None:
-        for about in abouts:
-            answers = {"cpp": None, "alone": None, "run": None}
-
-            @THEME.forgery(
-                f"{what} ({about})", about=about, report=report, header=header, **answers
-            )
-            def _(case: Case) -> None:
-                change(case.folder(), case)
-
-    return register
-
-
-@_folder("the summary of the other clock beside this proof", *TWO)
-def _(folder: Path, case: Case) -> None:
-    other = case.base.runs[OTHER_CLOCK[case.about]]
-    (folder / SUMMARY).write_bytes((other / SUMMARY).read_bytes())
-
-
-@_folder("the proof of the other law, and with it the monitor's set, beside this summary", *TWO)
-def _(folder: Path, case: Case) -> None:
-    other = case.base.runs[OTHER_LAW[case.about]]
-    (folder / PROOF).write_bytes((other / PROOF).read_bytes())
-
-
-@_folder("other weights beside proof and summary", "lawfree")
-def _(folder: Path, case: Case) -> None:
-    from support.forgeries.other_runs import other_weights
-
-    other_weights(folder)
-    renew_summary(folder)
-
-
-@_folder("another run's level 5, with proof and summary of this one's hashes", "lawfree")
-def _(folder: Path, case: Case) -> None:
-    from support.forgeries.edits import sha256
-    from support.forgeries.other_runs import other_weights
-
-    other_weights(folder)
-    table = case.table
-    table["weights_sha256"] = sha256((folder / "policy.safetensors").read_bytes())
-    (folder / PROOF).write_text(json.dumps(table))
-    renew_summary(folder)

@@ -20,8 +20,8 @@ def inconsistencies(claims: Claims, outline: SpecOutline | None) -> list[str]:
         outline: conditions and regions of the spec; None if they are not known.
 
     Returns: an empty list if spec and theorems require every statement, every level
-        that is claimed can be about the file's chart, and every parameter of a theorem that
-        margins have in them is the Program's constant of that name.
+        that is claimed can be about the file's chart, and the parameters of theorems that margins
+        have in them are the Program's constants of their names, all of them.
     """
     if claims.program.hash != claims.program_hash:
         return [f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"]
@@ -52,15 +52,24 @@ def _levels_without_subject(claims: Claims) -> list[str]:
 
 
 def _parameters_that_differ(claims: Claims) -> list[str]:
-    """Name parameters of theorems that differ from the Program's constants of their names."""
+    """Name parameters of theorems that differ from the Program's constants of their names.
+
+    A constant of a theorem that the file does not have is one, too: what the Program computes with
+    it is about another set, law or clock than the theorem.
+    """
     constants = {constant.name: constant.array for constant in claims.program.constants}
-    wrong = []
+    wrong, known = [], set[str]()
     for number, parameters in claims.theorems.parameters.items():
         level = LEVELS_BY_NUMBER[number]
         for name, values in level.constants(parameters).items():
+            known.add(f"{level.part}.{name}")
             if name == "disturbance" and not any(values):
                 continue  # The Program has nothing to add.
             array = constants.get(f"{level.part}.{name}")
             if array is None or array.tolist() != list(values):
                 wrong.append(f"{name} of level {number} is not the Program's {level.part}.{name}")
-    return wrong
+    parts = tuple(f"{level.part}." for level in LEVELS_BY_NUMBER.values())
+    stray = (name for name in constants if name is not None and name.startswith(parts))
+    return wrong + [
+        f"the Program's {name} is a parameter of no theorem" for name in sorted(set(stray) - known)
+    ]
