@@ -128,7 +128,7 @@ FORGED_LAWS = {
     "one coefficient": ("rest", "torque_gains", lambda x: x + 0.1 * (np.arange(len(x)) == 0)),
     "less inertia": ("decay", "inertia_gains", lambda x: 0.5 * x),
     "a faster decay": ("decay", "decay", lambda x: 1.3 * x),
-    "a smaller rest": ("rest", "rest", lambda x: 0.5 * x),
+    "a smaller rest": ("rest", "rest", lambda x: 0.1 * x),
 }
 """Premise that is then false, what is changed, and how."""
 
@@ -156,13 +156,26 @@ def test_premises_of_another_law_are_not_believed(proofcheck, law_file, tmp_path
 
 
 @pytest.mark.parametrize("name", ["torque_gains", "inertia_gains"])
-def test_gains_that_are_no_polynomials_are_rejected(proofcheck, law_file, tmp_path, name):
+def test_gains_that_are_not_those_of_the_program_are_rejected(proofcheck, law_file, tmp_path, name):
     table = json.loads(law_file.read_text())
     found = _level_5(table)
     found[name] = found[name][:-1]
-    constants(table, {f"disturbed.{name}": lambda row: row[:-1]})
     answer = _ask(proofcheck, tmp_path, table)
-    assert answer.returncode == 1 and "no polynomials of phase and level" in answer.stdout
+    assert answer.returncode == 1 and f"{name} is not that of the Program" in answer.stdout
+
+
+@pytest.mark.parametrize("claimed", [True, False])
+def test_gains_that_are_no_polynomials_are_rejected(proofcheck, file, tmp_path, claimed):
+    """A proof of exact linearisation that says it is one of a law with two coefficients."""
+    table = json.loads(file.read_text())
+    one = (1.0).hex()
+    gains = {"torque_gains": [one], "inertia_gains": [one], "decay": one, "rest": one}
+    _level_5(table).update(gains)
+    for theorem in table["theorems"]:
+        theorem["claimed"] = claimed
+    answer = _ask(proofcheck, tmp_path, table)
+    said = "level 5 does not follow" if claimed else "no polynomials of phase and level"
+    assert answer.returncode == 1 and said in answer.stdout, answer.stdout
 
 
 def test_a_longer_hold_of_a_law_does_not_follow(proofcheck, law_file, tmp_path):
