@@ -46,7 +46,8 @@ class Recipe:
         effort_torque: [N m].
         posture_steps: supervised steps towards the nominal posture before training.
         curriculum: share of the steps over which the range of commands grows from its middle.
-        widened: share of the range of a command that training adds beyond each of its ends.
+        widened: share of the range of a command that training adds beyond each of its ends; a
+            narrow range of speeds is widened by more.
         faster_changes: share by which training exceeds the largest change of a command, because
             calibration stretches changes.
         corners: share of the samples of a command's axis that lie on its ends.
