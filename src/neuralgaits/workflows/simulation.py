@@ -1,4 +1,4 @@
-"""What `simulate` returns: the walks, their figures and their ticks."""
+"""Result of `simulate`: the walks, their figures and their ticks."""
 
 from dataclasses import dataclass
 
