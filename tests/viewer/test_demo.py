@@ -96,7 +96,7 @@ def test_the_command_serves_prints_where_and_ends_at_ctrl_c(capfd):
     # up around it, and crash.
     busy = """
 import atexit, sys, time, types
-sureness = types.SimpleNamespace(how_sure=lambda run: time.sleep(60))
+sureness = types.SimpleNamespace(how_sure=lambda *_: time.sleep(3600))
 sys.modules["neuralgaits.viewer.sureness"] = sureness
 atexit.register(print, "cleaned up")
 """

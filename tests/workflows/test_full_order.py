@@ -381,7 +381,8 @@ def test_other_constants_than_the_programs_are_rejected(result, change, reason):
     if "barriers" in change:
         first, *rest = result.shape.barriers
         change = {"barriers": (replace(first, coupling=0.0), *rest)}
-    theorems = Theorems({4: replace(result.shape, **change)}, (4,))
+    others = claims.theorems.parameters
+    theorems = Theorems({**others, 4: replace(result.shape, **change)}, (4,))
     # One statement is enough: these are seen before and after the boxes are bounded.
     short = _about(claims, "full/mismatch")
     found = check(replace(claims, theorems=theorems, statements=(short,)))
