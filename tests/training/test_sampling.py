@@ -99,6 +99,7 @@ def test_a_box_across_two_is_in_neither():
 )
 def test_training_goes_beyond_a_range(command, beyond):
     assert beyond_range(command, 0.1) == pytest.approx(beyond)
+    assert beyond_range(command, 0.0) == 0.0
     plan = Sampler.plan(REGIONS, SAMPLES, commands=(command,), widened=0.1)
     np.testing.assert_allclose(plan.ends[:, 0], [command.low - beyond, command.high + beyond])
     narrow = Sampler.plan(REGIONS, SAMPLES, commands=(command,))

@@ -30,23 +30,13 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 """Gauss-Legendre nodes and weights on [-1, 1]: they give the time of a step to 0.1 %."""
 
 
-class Middle(NamedTuple):
-    """The steady gait along the middle of its tube, at Gauss nodes of the phase and the guard."""
-
-    gait: Gait
-    slope_error: Float[Array, " k"]
-    """Slope of the flow minus the middle's own, in tube widths a step. [k]"""
-    level_after: Scalar
-    """Level after the reset from the middle's end."""
-    orbit_speed: Scalar
-    """Mean speed of the orbit near it, to first order in its distance [m/s]."""
-
-
 class Lap(NamedTuple):
     """A step along a line of constant level, over which the flow drifts off it."""
 
     slope_error: Float[Array, " k"]
+    """Slope of the flow minus that of the line, in tube widths a step. [k]"""
     level_after: Scalar
+    """Level after the reset from the line's end."""
     speed: Scalar
     """Step length over the time of the step [m/s]."""
 
@@ -55,6 +45,15 @@ class Lap(NamedTuple):
         """Return by how much the level grows over the step."""
         weights = jnp.asarray(0.5 * WEIGHTS, self.slope_error.dtype)
         return weights @ self.slope_error[:-1]
+
+
+class Middle(NamedTuple):
+    """The steady gait along the middle of its tube, at Gauss nodes of the phase and the guard."""
+
+    gait: Gait
+    lap: Lap
+    orbit_speed: Scalar
+    """Mean speed of the orbit near it, to first order in its distance [m/s]."""
 
 
 def middle_of(point: Point, gait: Gait) -> Middle:
@@ -84,7 +83,7 @@ def middle_of(point: Point, gait: Gait) -> Middle:
 
     laps = jax.vmap(lap)(jnp.asarray([LEVEL, LEVEL + ASIDE], dtype))
     middle, aside = (jax.tree.map(lambda leaf, i=i: leaf[i], laps) for i in range(2))
-    return Middle(steady, middle.slope_error, middle.level_after, _orbit_speed(middle, aside))
+    return Middle(steady, middle, _orbit_speed(middle, aside))
 
 
 def _orbit_speed(middle: Lap, aside: Lap) -> Scalar:
@@ -128,7 +127,7 @@ class MiddleFollowed(AbstractAim):
 
     def error(self, middle: Middle) -> Float[Array, " k"]:
         """Return slopes minus the middle's own."""
-        return middle.slope_error
+        return middle.lap.slope_error
 
 
 @dataclass(frozen=True)
@@ -141,8 +140,7 @@ class MiddleReturns(AbstractAim):
 
     def error(self, middle: Middle) -> Scalar:
         """Return the drift over a step plus the level after the reset from the middle."""
-        weights = jnp.asarray(0.5 * WEIGHTS, middle.slope_error.dtype)
-        return weights @ middle.slope_error[:-1] + middle.level_after - LEVEL
+        return middle.lap.drift + middle.lap.level_after - LEVEL
 
 
 @dataclass(frozen=True)

@@ -77,7 +77,7 @@ class Sampler(NamedTuple):
         ends = np.array([axis[1:] for command in commands for axis in command.axes]).T
         ends = ends.reshape(2, 2 * len(commands))
         for i, command in enumerate(commands):
-            more = beyond_range(command, widened) if widened else 0.0
+            more = beyond_range(command, widened)
             ends[:, 2 * i] += [-more, more]
             if command.largest_change is None:  # Both axes are its range.
                 ends[:, 2 * i + 1] += [-more, more]
@@ -130,10 +130,11 @@ def beyond_range(command: Command, widened: float) -> float:
 
     Args:
         command: the command.
-        widened: that of the recipe.
+        widened: that of the recipe; with 0 it goes nowhere beyond.
     """
     share = widened * (command.high - command.low)
-    return max(share, SPEED_SHORTFALL * command.high) if command.name == "speed" else share
+    least = SPEED_SHORTFALL * command.high if command.name == "speed" and widened else 0.0
+    return max(share, least)
 
 
 def contains(outer: Sequence[Box], inner: Sequence[Box]) -> bool:
