@@ -13,8 +13,8 @@ MOST_NAMES = 1000
 MOST_OUTPUTS = 4000
 MOST_STATEMENTS = 1000
 MOST_LEAVES = 2**23
-"""Most leaves of all trees together. In memory each leaf is two corners: 32 bytes in two axes, 256 in
-sixteen. A packed file of 100 kB could ask for 2^25 of them; no proof of a gait had 2^22."""
+"""Most leaves of all trees together. In memory each leaf is two corners: 32 bytes in two axes, 256
+in sixteen. A packed file of 100 kB could ask for 2^25 of them; no proof of a gait had 2^22."""
 MOST_OF_OUTPUT = 1000
 """Most elements of an output of a Program."""
 MOST_BOXES = 32
