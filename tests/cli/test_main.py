@@ -230,7 +230,7 @@ def test_json_stands_alone_on_stdout(capfd: Captured, answer: Any, good: bool, c
     def chatter() -> Outcome:
         print("from python")
         os.write(1, b"from a C library\n")
-        return Outcome({"value": float("nan"), "list": (1, 2)}, good, print)
+        return Outcome({"value": float("nan"), "list": (1, 2)}, good=good, table=print)
 
     answer(chatter)
     assert main(["robots", "--json"]) == code

@@ -425,7 +425,7 @@ def test_verbose_adds_to_the_short_screen(
     """Every line of it stays, but for where the rest is; it comes last."""
     short, result = BRIEF[name]
     whole, _ = SCREENS[name]
-    outcome = Outcome(result, True, whole, brief=short)
+    outcome = Outcome(result, good=True, table=whole, brief=short)
     monkeypatch.setenv("COLUMNS", "2000")
     outcome.show()
     lines = capsys.readouterr().out.splitlines()

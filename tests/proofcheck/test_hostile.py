@@ -4,13 +4,16 @@ No time is measured here: a limit refuses before the work is done. `benchmarks/h
 prints the seconds.
 """
 
+import json
 import re
 
 import pytest
 
-from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.limits import MOST_LEAVES
+from neuralgaits.certificate.proof_file.reader import LEAF, InconsistentError, read_claims
 from neuralgaits.errors import InputError
 from support.hostile_proofs import KINDS, LARGEST, text_of
+from support.shipped_run import SHIPPED
 
 LEAST_KINDS, LONGEST_LINE = 40, 2000
 REFUSED = [name for name, kind in KINDS.items() if kind.said]
@@ -43,3 +46,26 @@ def test_the_others_end_in_a_known_exit_code(proofcheck, tmp_path, kind):
         answer = proofcheck(*options, path)
         assert answer.returncode in (0, 1, 2, 3)
         assert all(len(line) < LONGEST_LINE for line in answer.stderr.splitlines())
+
+
+def test_both_readers_limit_the_leaves_of_all_trees_together(proofcheck, tmp_path):
+    table = json.loads((SHIPPED / "certificate" / "proof.json").read_text())
+    path = tmp_path / "proof.json"
+    others = sum(one["tree"].count(LEAF) for one in table["statements"][1:])
+
+    def write(leaves: int) -> None:
+        table["statements"][0]["tree"] = LEAF * (leaves - others)
+        path.write_text(json.dumps(table))
+
+    said = f"more than {MOST_LEAVES} leaves of all trees together"
+    write(MOST_LEAVES + 1)
+    answer = proofcheck("--program", path)
+    assert answer.returncode == 2 and said in answer.stderr, answer.stderr[:300]
+    with pytest.raises(InputError, match=said):
+        read_claims(path)
+    # One leaf less: the file is read, and its tree is none.
+    write(MOST_LEAVES)
+    answer = proofcheck("--program", path)
+    assert answer.returncode == 1 and "after its last leaf" in answer.stdout + answer.stderr
+    with pytest.raises(InconsistentError, match="goes on after its last leaf"):
+        read_claims(path).statements[0].leaves()

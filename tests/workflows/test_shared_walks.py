@@ -1,6 +1,7 @@
 """Walks on many workers: the same, to the last bit, as in one process."""
 
 import shutil
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -109,3 +110,8 @@ def test_the_verb_shares_them_out(
 def test_what_one_process_must_do_is_refused(more: dict[str, Any], line: str) -> None:
     with pytest.raises(InputError, match=line):
         simulate(SHIPPED, workers=2, **more)
+
+
+def test_what_is_not_sent_as_it_is_are_fields_of_the_walks() -> None:
+    names = {one.name for one in fields(TrainedWalks)}
+    assert names > shared_walks.OTHERWISE_SENT | shared_walks.NOT_SENT

@@ -932,6 +932,10 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
   if (file.model.family) record_outputs(file);
   for (const Json& row : table.find("statements")->items)
     file.statements.push_back(statement_of(row, file.chart, file.outputs));
+  size_t leaves = 0;
+  for (const Statement& s : file.statements)
+    leaves += static_cast<size_t>(std::count(s.tree.begin(), s.tree.end(), '-'));
+  limit(leaves, kMostLeaves, "leaves of all trees together");
   for (const Statement& statement : file.statements) match(statement, file);
   for (const Statement& s : file.statements)
     for (const Claim& claim : s.claims) file.stated.emplace(about(claim.name, s.root_box), &claim);

@@ -28,7 +28,8 @@ struct Json {
 // More than any gait's proof has of a thing: a text that asks for more work than this is refused before
 // it is done. proof_file/limits.py has the same limits in the same words.
 constexpr size_t kMostFields = 1000, kMostNames = 1000, kMostOutputs = 4000, kMostStatements = 1000,
-                 kMostBoxes = 32, kMostOfOutput = 1000, kMostDimensions = 8, kMostSeries = 1000;
+                 kMostBoxes = 32, kMostOfOutput = 1000, kMostDimensions = 8, kMostSeries = 1000,
+                 kMostLeaves = 8388608;
 constexpr int kDeepest = 60;
 
 void limit(size_t count, size_t most, const string& what) {

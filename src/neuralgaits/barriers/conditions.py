@@ -152,7 +152,13 @@ class Equality(AbstractCondition):
 class Fence(AbstractCondition):
     """The flow on a fence of `gait.tubes.Tube` points into the tube (C2 of the walking set).
 
-    The margin is d zeta / d phase along the flow against the fence's own slope, in tube widths.
+    With zeta = z2^2 / 2, both slopes taken over the phase, at the state:
+
+        lower fence: (d zeta / d phase along the flow - slope of the fence) / width >= 0,
+        upper fence: (slope of the fence - d zeta / d phase along the flow) / width >= 0,
+
+    width being the upper fence's zeta minus the lower's. `Gait.inward` computes both; the region
+    of the condition is what makes it one of states on the fence.
     """
 
     side: Side

@@ -28,8 +28,14 @@ def outcome_of_family(verb: Any, name: str) -> Outcome | None:
         result = task(progress)
     show = partial(_show, result)
     if not isinstance(result.result, CertificateRecord):
-        return Outcome(result.result, result.good, show, result.undecided)
-    return Outcome(result.result, result.good, show_proof, result.undecided, show)
+        return Outcome(result.result, good=result.good, table=show, undecided=result.undecided)
+    return Outcome(
+        result.result,
+        good=result.good,
+        table=show_proof,
+        undecided=result.undecided,
+        brief=show,
+    )
 
 
 def _show(outcome: VerbResult, result: Any, *, hint: bool = True) -> None:

@@ -20,7 +20,7 @@ def carry_out_optimise(verb: OptimiseOptions) -> Outcome:
 
     with WorkProgress("looking for a gait", quiet=verb.output.json) as progress:
         run = optimise(**given(verb, OptimiseSettings, begun=progress.begun))
-    return Outcome(run.summary, True, show_given)
+    return Outcome(run.summary, good=True, table=show_given)
 
 
 def carry_out_import(verb: ImportGaitOptions) -> Outcome:
@@ -30,7 +30,7 @@ def carry_out_import(verb: ImportGaitOptions) -> Outcome:
 
     with WorkProgress("looking for its orbit", quiet=verb.output.json) as progress:
         run = import_gait(**given(verb, ImportGaitSettings, begun=progress.begun))
-    return Outcome(run.summary, True, show_given)
+    return Outcome(run.summary, good=True, table=show_given)
 
 
 def show_given(result: TrainingSummary) -> None:

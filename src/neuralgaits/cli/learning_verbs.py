@@ -23,7 +23,7 @@ def carry_out_fit(verb: FitOptions) -> Outcome:
 
     with TrainingProgress(quiet=verb.output.json) as progress:
         summary = fit(**given(verb, FitSettings, progress=progress)).summary
-    return Outcome(summary, summary.better, learning_screen.show_fit, brief=brief_fit)
+    return Outcome(summary, good=summary.better, table=learning_screen.show_fit, brief=brief_fit)
 
 
 def _fit_joints(verb: FitOptions) -> Outcome:
@@ -40,7 +40,7 @@ def _fit_joints(verb: FitOptions) -> Outcome:
             )
     with WorkProgress("identifying", quiet=verb.output.json):
         result = fit_joints(verb.run, verb.logs, columns=verb.columns, write=verb.write)
-    return Outcome(result, result.better, show_joints)
+    return Outcome(result, good=result.better, table=show_joints)
 
 
 def carry_out_refine(verb: RefineOptions) -> Outcome:
@@ -54,7 +54,11 @@ def carry_out_refine(verb: RefineOptions) -> Outcome:
     summary = run.summary
     show = None if summary.broken else brief_training
     return Outcome(
-        summary, summary.proved, screen.show_training, undecided=not summary.proved, brief=show
+        summary,
+        good=summary.proved,
+        table=screen.show_training,
+        undecided=not summary.proved,
+        brief=show,
     )
 
 
@@ -67,7 +71,8 @@ def carry_out_episodes(verb: EpisodesOptions) -> Outcome:
     with TrainingProgress(quiet=verb.output.json) as progress:
         others = {"resume": resume, "progress": progress, "tell": progress.stage}
         summary = episodes(**given(verb, EpisodesSettings, **others))
-    return Outcome(summary.summary, summary.walks is not False, episodes_screen.show_episodes)
+    walks = summary.walks is not False
+    return Outcome(summary.summary, good=walks, table=episodes_screen.show_episodes)
 
 
 def _episodes_to_resume(resume: str | Path, quiet: bool) -> str | Path:

@@ -1,7 +1,7 @@
 """Outcome of a verb: its result, and how it is judged and shown."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 
@@ -20,6 +20,7 @@ class Outcome:
     """
 
     result: Mapping[str, Any]
+    _: KW_ONLY
     good: bool
     table: Callable[[Any], None]
     undecided: bool = False

@@ -15,7 +15,7 @@ def carry_out_report(verb: ReportOptions) -> Outcome:
     what = "walking once more, drawing the figures"
     with WorkProgress(what, quiet=verb.output.json) as progress:
         written = write_report(verb.run, out=verb.out, begun=progress.begun)
-    return Outcome(written.summary, True, show_report, brief=brief_report)
+    return Outcome(written.summary, good=True, table=show_report, brief=brief_report)
 
 
 def show_report(result: ReportRecord) -> None:

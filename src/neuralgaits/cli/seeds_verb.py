@@ -45,7 +45,7 @@ def carry_out_seeds(verb: TrainOptions) -> Outcome:
     with TrainingProgress(quiet=verb.output.json) as progress:
         others = {"progress": progress, "doubted": progress.say, "begun": progress.begun}
         summary = train_seeds(**given(verb, TrainSeedsSettings, **others))
-    return Outcome(summary.summary, not summary.summary.refused, show_seeds)
+    return Outcome(summary.summary, good=not summary.summary.refused, table=show_seeds)
 
 
 def show_seeds(result: SeedsSummary) -> None:

@@ -23,7 +23,7 @@ def carry_out_sweep(verb: SweepOptions) -> Outcome:
 
         done = sweep(**given(verb, SweepSettings, tell=tell, begun=progress.say))
     summary = done.summary
-    return Outcome(summary, not summary.failed, show_sweep, undecided=summary.lost > 0)
+    return Outcome(summary, good=not summary.failed, table=show_sweep, undecided=summary.lost > 0)
 
 
 def show_sweep(result: SweepSummary) -> None:

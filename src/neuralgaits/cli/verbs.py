@@ -87,7 +87,11 @@ def _train(verb: TrainOptions) -> Outcome:
     # What failed, and what may mend it, is shown whole.
     show = None if summary.broken else brief.brief_training
     return Outcome(
-        summary, summary.proved, screen.show_training, undecided=not summary.proved, brief=show
+        summary,
+        good=summary.proved,
+        table=screen.show_training,
+        undecided=not summary.proved,
+        brief=show,
     )
 
 
@@ -120,7 +124,7 @@ def _simulate(verb: SimulateOptions) -> Outcome:
     for note in filter(None, notes):
         print(note, file=sys.stderr)
     stayed_up = not any(walks.summary.fell)
-    return Outcome(walks.summary, stayed_up, screen.show_walks, brief=brief.brief_walks)
+    return Outcome(walks.summary, good=stayed_up, table=screen.show_walks, brief=brief.brief_walks)
 
 
 def _replaced(walks: "Simulation") -> str | None:
@@ -148,10 +152,10 @@ def _certify(verb: CertifyOptions) -> Outcome:
     verdict = certificate.verdict
     return Outcome(
         certificate.summary,
-        verdict == "proved",
-        proof_screen.show_proof,
-        verdict == "undecided",
-        brief.brief_proof,
+        good=verdict == "proved",
+        table=proof_screen.show_proof,
+        undecided=verdict == "undecided",
+        brief=brief.brief_proof,
     )
 
 
@@ -169,9 +173,13 @@ def _check_proof(verb: CheckProofOptions) -> Outcome:
     with CheckProgress(verb.output.json, MANY_BOXES[verb.arithmetic]) as progress:
         result = check_proof(**given(verb, CheckProofSettings, progress=progress))
     verdict = result.verdict
-    good = verdict in ("proved", "consistent")
-    undecided = verdict == "undecided"
-    return Outcome(result, good, proof_screen.show_check, undecided, brief_check)
+    return Outcome(
+        result,
+        good=verdict in ("proved", "consistent"),
+        table=proof_screen.show_check,
+        undecided=verdict == "undecided",
+        brief=brief_check,
+    )
 
 
 def _export(verb: ExportOptions) -> Outcome:
@@ -181,7 +189,8 @@ def _export(verb: ExportOptions) -> Outcome:
 
     with WorkProgress("writing it, comparing it with Python", quiet=verb.output.json) as progress:
         exported = export_controller(**given(verb, ExportSettings, begun=progress.begun))
-    return Outcome(exported.summary, exported.checked, show_export, undecided=not exported.checked)
+    checked = exported.checked
+    return Outcome(exported.summary, good=checked, table=show_export, undecided=not checked)
 
 
 def _check_deploy(verb: CheckDeployOptions) -> Outcome:
@@ -189,8 +198,12 @@ def _check_deploy(verb: CheckDeployOptions) -> Outcome:
     from neuralgaits.workflows.check_deploy import check_deploy
 
     checked = check_deploy(**given(verb, CheckDeploySettings))
-    undecided = checked.agrees and not checked.complete
-    return Outcome(checked, checked.agrees and checked.complete, show_deployment_check, undecided)
+    return Outcome(
+        checked,
+        good=checked.agrees and checked.complete,
+        table=show_deployment_check,
+        undecided=checked.agrees and not checked.complete,
+    )
 
 
 def _inspect(verb: InspectOptions) -> Outcome:
@@ -198,7 +211,7 @@ def _inspect(verb: InspectOptions) -> Outcome:
         from neuralgaits.workflows.planarise import planarise_file
 
         planar = planarise_file(verb.robot, verb.planarise, verb.feet, verb.weld)
-        return Outcome(planar, True, robot_screen.show_planarised)
+        return Outcome(planar, good=True, table=robot_screen.show_planarised)
     if verb.feet != "point":
         raise InputError("--feet: expected --planarise OUT.xml beside it, found none: add that")
     if verb.weld:
@@ -207,7 +220,7 @@ def _inspect(verb: InspectOptions) -> Outcome:
     from neuralgaits.workflows.planarise import robot_from
 
     show = partial(robot_screen.show_inspected, robot=verb.robot)
-    return Outcome(inspect(robot_from(verb.robot)), True, show)
+    return Outcome(inspect(robot_from(verb.robot)), good=True, table=show)
 
 
 def _robots(verb: RobotsOptions) -> Outcome:
@@ -218,8 +231,9 @@ def _robots(verb: RobotsOptions) -> Outcome:
             "expected a robot to write, found none: write `neuralgaits robots ROBOT --out FILE.xml`"
         )
     if verb.robot is not None:
-        return Outcome(write_built_in(verb.robot, verb.out), True, robot_screen.show_written)
-    return Outcome(robots(), True, robot_screen.show_names)
+        written = write_built_in(verb.robot, verb.out)
+        return Outcome(written, good=True, table=robot_screen.show_written)
+    return Outcome(robots(), good=True, table=robot_screen.show_names)
 
 
 def _doctor(_: DoctorOptions) -> Outcome:
@@ -227,7 +241,7 @@ def _doctor(_: DoctorOptions) -> Outcome:
     from neuralgaits.workflows.doctor import doctor
 
     result = doctor()
-    return Outcome(result, result.ok, robot_screen.show_findings)
+    return Outcome(result, good=result.ok, table=robot_screen.show_findings)
 
 
 _CARRY_OUT: dict[type, Callable[..., Outcome]] = {

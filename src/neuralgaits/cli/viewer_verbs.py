@@ -57,4 +57,4 @@ def _served(live: "LivePage", page: PageOptions) -> Outcome:
         what = "" if opened else " (open it in a browser)"
         print(f"live page at {result['url']}{what}; Ctrl-C ends it", flush=True)
 
-    return Outcome(live.summary, True, show, then=stay)
+    return Outcome(live.summary, good=True, table=show, then=stay)

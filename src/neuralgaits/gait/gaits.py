@@ -85,7 +85,7 @@ class Gait(eqx.Module):
         return position_of(dz) / self.stride
 
     def slope(self, z: ZeroState, dz: ZeroState) -> Scalar:
-        """D zeta / d phase along a flow, with zeta = z2^2 / 2 [(kg m^2/s)^2]."""
+        """Return d zeta / d phase along a flow, with zeta = z2^2 / 2 [(kg m^2/s)^2]."""
         return momentum_of(z) * momentum_of(dz) * self.stride / position_of(dz)
 
     def inward(self, z: ZeroState, dz: ZeroState) -> tuple[Scalar, Scalar]:

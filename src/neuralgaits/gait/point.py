@@ -316,8 +316,13 @@ class Point:
 
     @cached_property
     def z_after(self) -> ZeroState:
-        """Reset map: zero coordinates after an impact in this state. [2]. No solve."""
+        """Reset map: z after an impact in this state (m, kg m^2/s). [2].
+
+        `ZeroDynamics.reset` returns it. The impact conserves the momentum about the new stance
+        foot, so no rates after the impact are solved for.
+        """
         q_new = self.robot.relabel @ self.q
+        # Conjugate to q, so backwards positive: z2, forward positive, is minus its first entry.
         momentum = impacts.momentum_after(self.robot, self.q, self.dq)
         z1, z2 = self.robot.hip_gradient @ q_new, -momentum[0]
         if self.reset_residual is not None:

@@ -72,7 +72,15 @@ class ZeroCoordinates:
         return z[: self.k], z[self.k :]
 
     def of(self, q: Coordinates, dq: Coordinates) -> ZeroState:
-        """Return the zero dynamics state of a full state. [2k]."""
+        """Return the zero dynamics state z = (C q, s) of a full state (m, kg m^2/s). [2k].
+
+        The units are those of a walker, whose rows C are `PlanarBiped.hip_gradient` (m/rad) and
+        whose s is the angular momentum about the stance foot, forward positive.
+
+        Args:
+            q: coordinates (rad). [n]
+            dq: their rates (rad/s). [n]
+        """
         momentum = self.mechanism.momentum(q, dq)
         return jnp.concatenate([product(self.mechanism.position_rows, q), momentum])
 

@@ -87,7 +87,8 @@ class WalkFigures(Record):
         cost_of_transport: mechanical cost of transport [1].
         max_output_error_rad, peak_torque_nm, steady_peak_torque_nm, max_joint_rate_rad_s,
             min_normal_force_n: extremes.
-        saturated_fraction: share of time at a torque limit.
+        saturated_fraction: share of control ticks at which the law's torque of any joint was
+            clipped, or is at its limit; the rate limit of exported C does not count.
         relaxed: relaxed constraints of a law with a quadratic program; None for other laws.
         poincare: periodic orbit of the model; None if it was not computed.
         sim_steps_per_s, real_time_factor: speed of the simulation itself.

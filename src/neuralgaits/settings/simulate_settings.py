@@ -64,7 +64,8 @@ class SimulateSettings(Settings):
     push_left: Annotated[float | None, arg(metavar="NS")] = None
     """The same to the left, of a walker in three dimensions [N s]."""
     disturb: Changes = None
-    """Differences between plant and model, as in friction=0.4,delay_ms=4."""
+    """Differences between plant and model, as in friction=0.4,delay_ms=4; in Python also a
+    mapping, as in {"friction": 0.4}."""
     gains: Gains = None
     """Gains of the joints' drives [N m/rad, N m s/rad], as in 100,3: between two ticks each drive
     holds what it was told with a loop of its own. Joint PD control then has these gains, too."""

@@ -5,7 +5,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -35,8 +35,12 @@ from neuralgaits.simulation.walk import Walk
 STEPS_OF_A_PART = 1600
 """Number of walking steps of a task: some ten seconds of compiled code."""
 _PLANT, _COMMANDS, _ARRAYS = "plant.xml", "commands.csv", "walks.safetensors"
-_SENT = ("controller", "bandwidth", "steps", "start", "push", "seed", "simulator", "adapt")
-"""Settings of `TrainedWalks` that are sent to workers as they are."""
+OTHERWISE_SENT = frozenset({"run", "plant", "disturbance", "schedule", "drawn", "library"})
+"""Fields of `TrainedWalks` that workers make again from files and numbers."""
+NOT_SENT = frozenset({"threads", "joints", "courses"})
+"""Fields that each worker has its own of, or that `refuse_shared` refuses beside workers."""
+_SENT = tuple(one.name for one in fields(TrainedWalks) if one.name not in OTHERWISE_SENT | NOT_SENT)
+"""Fields that are sent to workers as they are, as JSON: all others, a new one too."""
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,9 @@ def make_steps(
 
     def step(parameters, state, key, index, rate, extra):
         key = jax.random.fold_in(key, index)
+        # Each of three draws splits this key itself: the sampler uses it and folds in 2 and 3,
+        # `with_extra` and `pushes_of` both fold in 1. Places of extra boxes are the last rows of
+        # the batch and pushes are drawn for all rows in order, so no row has both from one number.
         batch = sampler.draw(key, grown(index))
         u, counts = with_extra(extra, 1, batch, layout.counts, key)
         gradient_of = jax.value_and_grad(loss, has_aux=True)

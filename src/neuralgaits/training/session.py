@@ -87,6 +87,9 @@ def start_of(run: Run, trainer: Trainer) -> TrainState:
     gait = run.trained
     cold = START not in run.folder.copies
     if cold and config.init == "posture" and recipe.posture_steps and isinstance(gait, Gait):
+        # This is also the key of gradient step 1 (`gradient_step.py`), which is harmless: here the
+        # key is only split, there samples are drawn from it and from keys folded out of it, so no
+        # number is drawn twice. Another key would change gaits that a seed names.
         key = jax.random.fold_in(jax.random.key(config.seed), 1)
         gait = start_from_posture(run.robot, gait, recipe.posture_steps, key)
     return trainer.init(gait)

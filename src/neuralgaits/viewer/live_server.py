@@ -1,4 +1,8 @@
-"""The server of a live page: on loopback by default, on a port of its own."""
+"""The server of a live page: on loopback by default, on a port of its own.
+
+It is viser's. The page and the server exchange messages over a WebSocket; JavaScript of this
+program's own is in `page_style.py` and `phase_chart.py`.
+"""
 
 import contextlib
 import errno

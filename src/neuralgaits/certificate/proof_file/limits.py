@@ -3,12 +3,18 @@
 A short text can ask for work that grows with the square of its length, or for more memory than
 there is. A file beyond these limits is refused before the work is done.
 `tools/proofcheck/reading.hpp` has the same limits in the same words.
+
+The bytes of a file, unpacked, are limited in `runs/packed.py`; depth and digits of JSON by
+`json_fields.py`, with the numbers below; halvings of one axis by `MAX_CUTS` in `reader.py`.
 """
 
 MOST_FIELDS = 1000
 MOST_NAMES = 1000
 MOST_OUTPUTS = 4000
 MOST_STATEMENTS = 1000
+MOST_LEAVES = 2**23
+"""Most leaves of all trees together. In memory each leaf is two corners: 32 bytes in two axes, 256
+in sixteen. A packed file of 100 kB could ask for 2^25 of them; no proof of a gait had 2^22."""
 MOST_OF_OUTPUT = 1000
 """Most elements of an output of a Program."""
 MOST_BOXES = 32

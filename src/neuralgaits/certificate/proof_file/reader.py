@@ -4,6 +4,7 @@ Only the standard library and NumPy are needed. The reader accepts the one forma
 field; an unknown field may change the meaning of a known one.
 """
 
+from array import array
 from dataclasses import dataclass
 from functools import cached_property
 from json import JSONDecodeError
@@ -27,6 +28,7 @@ from neuralgaits.certificate.proof_file.json_fields import (
     text_of,
 )
 from neuralgaits.certificate.proof_file.limits import (
+    MOST_LEAVES,
     MOST_NAMES,
     MOST_STATEMENTS,
     limit,
@@ -94,7 +96,8 @@ class Statement:
 
         Raises: InconsistentError if the tree is not one.
         """
-        lows, highs = [], []
+        # Flat arrays of doubles: a tuple for each corner would take seven times the memory.
+        lows, highs = array("d"), array("d")
         characters = iter(self.tree)
         stack = [(self.low, self.high, (0,) * len(self.low))]
         while stack:
@@ -103,8 +106,8 @@ class Statement:
             if character is None:
                 raise InconsistentError(f"the tree of {self.region} ends before its last leaf")
             if character == LEAF:
-                lows.append(low)
-                highs.append(high)
+                lows.extend(low)
+                highs.extend(high)
                 continue
             axis = DIGITS.index(character)
             if axis >= len(low) or low[axis] == high[axis] or cuts[axis] == MAX_CUTS:
@@ -113,9 +116,9 @@ class Statement:
             stack += [(*part, more) for part in reversed(halves(low, high, axis))]
         if next(characters, None) is not None:
             raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
-        low, high = np.array(lows), np.array(highs)
+        low, high = (np.frombuffer(ends).reshape(-1, len(self.low)) for ends in (lows, highs))
         required = required_boxes(self.coupled_axes, low, high)
-        return low[required], high[required]
+        return (low, high) if required.all() else (low[required], high[required])
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,6 +210,9 @@ def _claims(table: Any) -> Claims:
     if not isinstance(entries, list) or not entries:
         raise ValueError("no statements")
     limit(len(entries), MOST_STATEMENTS, "statements")
+    statements = tuple(_statement(entry, outputs, chart) for entry in entries)
+    leaves = sum(statement.tree.count(LEAF) for statement in statements)
+    limit(leaves, MOST_LEAVES, "leaves of all trees together")
     model = fields["model"]
     if model is not None and not isinstance(model, dict):
         raise ValueError("a model that is neither a JSON object nor null")
@@ -218,7 +224,7 @@ def _claims(table: Any) -> Claims:
         chart=chart,
         program=program,
         program_hash=text_of(fields["program_hash"], "program_hash"),
-        statements=tuple(_statement(entry, outputs, chart) for entry in entries),
+        statements=statements,
         theorems=theorems,
         model=model,
         outline=None if model is None else _outline(model, outputs, chart),

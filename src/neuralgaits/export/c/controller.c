@@ -601,21 +601,21 @@ void ng_start(ng_state *state, int leg)
 }
 
 #if NG_COMMANDS
-void ng_start_at(ng_state *state, int leg, const ng_real command[NG_COMMANDS])
+void ng_start_at(ng_state *state, int leg, const ng_real requested[NG_COMMANDS])
 {
     ng_start(state, leg);
-    ng_tell(state, command);
+    ng_tell(state, requested);
     for (int i = 0; i < NG_COMMANDS; ++i) {
         state->before[i] = state->after[i] = state->requested[i];
     }
     ng_policy_step(state->after, state->before, state->step);
 }
 
-int ng_tell(ng_state *state, const ng_real command[NG_COMMANDS])
+int ng_tell(ng_state *state, const ng_real requested[NG_COMMANDS])
 {
     int refused = 0;
     for (int i = 0; i < NG_COMMANDS; ++i) {
-        const ng_real given = command[i];
+        const ng_real given = requested[i];
         if (given == given) {
             state->requested[i] = ng_clamp(given, ng_command_low[i], ng_command_high[i]);
         }

@@ -89,7 +89,10 @@ typedef enum {
     NG_FAULT_TORQUE        /* the law gave a torque that is not finite */
 } ng_fault;
 
-/* What the sensors of the robot file's own joints say, in that file's signs and zeros. */
+/*
+ * What the sensors of the robot file's own joints say, in that file's signs and zeros. Leg 0 is the
+ * first leg of the file; of a leg, joint 0 is the lowest one and the hip the last.
+ */
 typedef struct {
     uint32_t time_us;                       /* of the reading; may wrap around [us] */
     ng_real pitch;                          /* root hinge [rad] */
@@ -154,7 +157,7 @@ typedef struct {
     ng_real shift_rate[NG_ACTUATED];        /* its rate [rad/s] */
     ng_fault fault;
 #if NG_COMMANDS
-    ng_real requested[NG_COMMANDS];         /* wish for the steps to come, see ng_tell */
+    ng_real requested[NG_COMMANDS];         /* for the steps to come, see ng_tell */
     ng_real before[NG_COMMANDS];            /* what the step before was told */
     ng_real after[NG_COMMANDS];             /* what this step is told */
     ng_real step[NG_STEP];                  /* what follows from both; computed at touchdowns */
@@ -193,15 +196,15 @@ void ng_start(ng_state *state, int leg);
 
 #if NG_COMMANDS
 /* The same at other commands, clamped to their ranges. */
-void ng_start_at(ng_state *state, int leg, const ng_real command[NG_COMMANDS]);
+void ng_start_at(ng_state *state, int leg, const ng_real requested[NG_COMMANDS]);
 
 /*
- * What the next touchdowns are to go to, units and order as in ng_command_low; at any time. A
- * command outside its range is clamped; one that is no number leaves the last wish; a change that
- * the gait cannot follow in one step is spread over several. Returns how many commands were not
- * taken as they were given.
+ * What the operator requests for the steps to come, units and order as in ng_command_low; at any
+ * time. A command outside its range is clamped; one that is no number leaves the last request; a
+ * change that the gait cannot follow in one step is spread over several. Returns how many commands
+ * were not taken as they were given.
  */
-int ng_tell(ng_state *state, const ng_real command[NG_COMMANDS]);
+int ng_tell(ng_state *state, const ng_real requested[NG_COMMANDS]);
 #endif
 
 /* One tick. */

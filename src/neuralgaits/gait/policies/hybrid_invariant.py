@@ -46,7 +46,12 @@ class HybridInvariantPolicy(StepPolicy):
 
     t = (z1 - z_start) / (z_guard - z_start) is the phase of the step, H a cubic, N a network.
 
-    z_start and cubic follow from robot and guard.
+    N is given z / input_scale - input_shift; its second entry is 0 unless `z2_dependence`. Its
+    output is multiplied by a function of t that vanishes with its slope at t = 0 and t = 1.
+
+    Inherited from `StepPolicy` and `NetworkPolicy`: z_start [m], z_guard [m] and cubic [4, m], of
+    which z_start and cubic follow from robot and guard; network, lower and upper bounds of y_d
+    [rad] [m], input_scale and input_shift [2]. Only the network of these is trainable.
 
     Attributes:
         guard_outputs: desired outputs at the guard [rad]; trainable, except that the swing
@@ -54,6 +59,7 @@ class HybridInvariantPolicy(StepPolicy):
         guard_slopes: their slopes d y_d / d z1 at the guard [rad/m]; trainable. [m]
         start_outputs, start_slopes: outputs and slopes after the impact; computed. [m]
         momentum_ratio: z2 after impact / z2 before; computed.
+        z2_dependence: False makes y_d a function of z1 alone.
         step_commands: value of `step`, a property, which no field can override.
         then: the policy of the next step, if the command stays; None for this one.
         ends: values and slopes of H at phases 0 and 1, (H0, H0', H1, H1'), in whose terms it is

@@ -5,6 +5,7 @@ built-in, else by the run's own copy, since the original file may have changed o
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, ParamSpec
 
@@ -33,6 +34,10 @@ from neuralgaits.settings.options import words_of
 from neuralgaits.simulation.incompatible_settings import REMOTE
 
 P = ParamSpec("P")
+NOT_REPEATED = frozenset({"engine", "workers", "ray", "log", "video", "begun", "push_left"})
+"""Settings of `simulate` that change no walk of a walker: who computes it, and what is written."""
+IN_DISTURB = frozenset({"sensing", "gains", "drive_rate"})
+"""Settings of `simulate` that its summary records as values of `disturb`."""
 
 
 def robot_word(folder: RunFolder) -> str:
@@ -179,6 +184,9 @@ def certifying(
 def simulating(folder: RunFolder, simulation: SimulationSummary, run: Path) -> str | None:
     """Return the command that repeats a simulation.
 
+    A setting is the field of the summary with the same name, if nothing else is said below. So a
+    new field of `SimulateSettings` is repeated, if it is recorded; if not, this fails.
+
     Args:
         folder: run folder that holds the simulation.
         simulation: summary of the simulation.
@@ -190,27 +198,20 @@ def simulating(folder: RunFolder, simulation: SimulationSummary, run: Path) -> s
     if simulation.controller not in (*CONTROL_LAWS, REMOTE) or plant is None:
         return None
     changed = phrases.disturbances(simulation.changed)
-    options: dict[str, Any] = {
+    other_forms: dict[str, Any] = {
+        "run": run,
         "plant": plant or None,
-        "controller": simulation.controller,
-        "bandwidth": simulation.bandwidth,
         "steps": 50 if simulation.steps is None else simulation.steps,
         "link": None if simulation.link is None else settings_of_link(simulation.link),
-        "simulator": simulation.simulator,
-        "start": simulation.start,
-        "seed": simulation.seed,
-        "episodes": simulation.episodes,
         "push": simulation.push or None,
         "command": command_word(simulation.command) if simulation.command else None,
-        "commands": simulation.commands,
-        "adapt": simulation.adapt,
-        "joints": simulation.joints,
         "parameters": simulation.parameters or None,
-        "terrain": simulation.terrain,
         "monitor": simulation.monitor is not None,
         "disturb": ",".join(f"{name}={value!r}" for name, value in changed.items()) or None,
     }
-    return _line("simulate", SimulateSettings, run, **options)
+    names = {one.name for one in fields(SimulateSettings)} - NOT_REPEATED - IN_DISTURB
+    same_form = {name: getattr(simulation, name) for name in names - other_forms.keys()}
+    return _line("simulate", SimulateSettings, **other_forms, **same_form)
 
 
 def plant_word(folder: RunFolder, simulation: SimulationSummary) -> str | None:

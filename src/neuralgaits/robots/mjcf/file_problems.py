@@ -1,4 +1,22 @@
-"""All problems of a robot file at once, beside the first one at which the loader stops."""
+"""All problems of a robot file at once, beside the first one at which the loader stops.
+
+The rules in words, in the order of `note_problems`; each is checked by the function named:
+
+- `compile_what_can_be`: MuJoCo compiles the file, and no mass, inertia or density is negative.
+- `refuse_unphysical`: every number has a size that a robot can have, and gravity is not zero.
+- `refuse_odd_keyframes`: a keyframe has a number for every coordinate, rate and motor.
+- `read_tree`: one moving robot; its root slides along x and z and turns about y, every other link
+  turns about one named hinge along y and has mass.
+- `refuse_unmodelled_physics`: gravity points down and acts; no air, springs, dry friction of
+  joints, tendons, equality constraints, flexible bodies or contact pairs; the root is free.
+- `read_skeleton`: a level floor; two legs, each a chain of at most three links from one hip, with
+  or without a torso; two feet of one kind, points or flat ones.
+- `leg_data`: both legs have equal lengths, masses, inertias, rotors, damping, torque limits, ranges
+  and feet, each of a size that a robot can have.
+- `read_motor`, `read_range`: every joint but the root's has one plain, named motor with a torque
+  limit, and a range of 0.1 rad to two turns.
+- `refuse_other_actuators`: no actuator acts on anything else.
+"""
 
 from pathlib import Path
 

@@ -167,6 +167,7 @@ class FullOrderModel:
         robot = self.robot
         tangential, normal = point.force / (robot.mass * robot.gravity)
         cone = float(robot.friction) * normal
+        # Of the whole limit: a spec's conditions of level 1 may ask for less, as TORQUE_SHARE does.
         share = point.torque / robot.torque_limit
         quantities = {
             "pace": self.gait.pace(point.dz),

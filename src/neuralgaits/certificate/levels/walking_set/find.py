@@ -1,5 +1,6 @@
-"""Find the walking set's parameters and the domains of its premises by evaluating points.
+"""Find the walking set's ends in phase, and the phases of its premises, by evaluating points.
 
+Its fences are the gait's own, which this file only reads: they were trained with the policy.
 Nothing here is trusted: a bad choice makes a premise fail, not a false one hold.
 """
 
