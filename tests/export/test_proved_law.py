@@ -259,14 +259,17 @@ def test_walks_use_the_law_that_is_proved(run, stated, monkeypatch):
     own = LinkConfig(lockstep=True)
     pd = replace(own, law="pd")
     assert with_proved_law(run, own, None, None) == pd
-    assert proved_bandwidth(run, "scheduled-pd") is None
+    assert proved_bandwidth(run, "scheduled-pd", None) is None
     monkeypatch.setattr(proved_controller, "read_certificate", lambda folder: certificate)
     assert with_proved_law(run, own, None, None) == replace(own, law="scheduled-pd")
     assert with_proved_law(run, own, None, 35.0) == pd
     assert with_proved_law(run, pd, None, None) == pd
     assert with_proved_law(run, None, None, None) is None
     laws = ("pd", "fblin", "scheduled-pd", ScheduledPd())
-    assert [proved_bandwidth(run, law) for law in laws] == [None, None, W, None]
+    assert [proved_bandwidth(run, law, None) for law in laws] == [None, None, W, None]
+    assert proved_bandwidth(run, "scheduled-pd", own) == W
+    elsewhere = replace(own, address="127.0.0.1:9000")
+    assert proved_bandwidth(run, "scheduled-pd", elsewhere) is None
 
 
 def test_a_bandwidth_without_control_laws_is_refused(run, tmp_path):

@@ -35,9 +35,14 @@ def with_proved_law(
     return replace(link, law=design_of(run, certificate, joints, bandwidth).default_law)
 
 
-def proved_bandwidth(run: Run, controller: str | AbstractLaw) -> float | None:
-    """Return the bandwidth of a run's proof [rad/s] if it is about this law; None otherwise."""
-    if controller not in PROVABLE:
+def proved_bandwidth(
+    run: Run, controller: str | AbstractLaw, link: LinkConfig | None
+) -> float | None:
+    """Return the bandwidth of a run's proof [rad/s] if it is about this law; None otherwise.
+
+    A controller that somebody else has started has its own.
+    """
+    if controller not in PROVABLE or (link is not None and link.address):
         return None
     proved = proved_law(read_certificate(run.folder))
     return proved.bandwidth if proved is not None and proved.name == controller else None

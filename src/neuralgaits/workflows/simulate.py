@@ -146,7 +146,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     if joints is not None:
         refuse_without_model(controller, wire)
     refuse_bandwidth(controller, wire, settings.bandwidth)
-    bandwidth = settings.bandwidth or proved_bandwidth(run, law)
+    bandwidth = settings.bandwidth or proved_bandwidth(run, law, wire)
     monitor = required_monitor(run) if settings.monitor else None
     constant = run.trained.commands and commands is None
     run, courses = at_first(run, schedule.first), None
