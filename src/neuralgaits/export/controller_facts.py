@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.control import Pd, measurement
+from neuralgaits.control import Pd
 from neuralgaits.control.command_belief import speed_by_lean
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
@@ -134,7 +134,7 @@ def arrays(design: Design) -> list[Array]:
     layout = design.robot.layout
     low, high = joint_ranges(robot)
     bounds, estimator = controller.bounds, Estimator()
-    pitch_row = np.stack([np.asarray(measurement.pitch_row(robot, leg)) for leg in (0, 1)])
+    pitch_row = np.stack([np.asarray(robot.pitch_row(leg)) for leg in (0, 1)])
     rows = [
         ("hip_gradient", robot.hip_gradient, "z1 = gradient . q [m/rad]"),
         ("pitch_row", pitch_row, "pitch = row . q for each stance leg"),

@@ -18,6 +18,7 @@ from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.errors import SpecError
 from neuralgaits.export.condition_query import ConditionQuery
 from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.records.law_proof import LawProof
@@ -115,7 +116,7 @@ class Design:
                 )
             except SpecError as error:
                 left_out.append(str(error))
-        safeguard = SafeguardConfig.for_robot(robot)
+        safeguard = SafeguardConfig.for_joints(JointResponse(robot))
         return cls(robot, gait, controllers, safeguard, origin, left_out=tuple(left_out))
 
     @property

@@ -153,7 +153,7 @@ class Body:
             return False
         ahead = data.geom_xpos[self._feet[swing]][0] - data.geom_xpos[self._feet[self.leg]][0]
         unlocked = not self.steps or self.since >= config.lockout_s
-        return bool(touches_down(config, self._robot, force, ahead, unlocked, np))
+        return bool(touches_down(config, self._robot, force, ahead, unlocked))
 
     def _lay(self) -> None:
         """Move the floor under the swing foot to its next level, when one is due."""
