@@ -18,7 +18,7 @@ class RobotFile(Protocol):
 
     @property
     def layout(self) -> MjcfLayout:
-        """Text of the file, and the places of the coordinates in it."""
+        """Text of the file, places of the coordinates in it, and lengths of the legs."""
         ...
 
     @property
@@ -34,11 +34,6 @@ class RobotFile(Protocol):
     @property
     def gravity(self) -> Scalar:
         """Acceleration of gravity [m/s^2]."""
-        ...
-
-    @property
-    def leg_length(self) -> float:
-        """Length of the straight leg [m]."""
         ...
 
     @property
