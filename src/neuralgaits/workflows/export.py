@@ -28,7 +28,7 @@ from neuralgaits.records.exported import ExportRecord
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.settings import ExportSettings, called_with
-from neuralgaits.simulation.setup.starts import momentum_range
+from neuralgaits.simulation.setup.starts import controlled_gait, momentum_range
 from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.condition_queries import queries_of
@@ -193,16 +193,9 @@ def design_of(
         bandwidth: double pole of output errors under laws that have one [rad/s]; their own if None.
     """
     certificate = certificate or read_certificate(trained.folder)
-    gait = trained.trained
-    return Design.of(
-        trained.robot,
-        gait,
-        exported_laws(bandwidth),
-        momentum_range(gait),
-        _origin(trained, certificate, None if joints is None else joints.sha256),
-        reset_residual=trained.residuals.reset,
-        joints=None if joints is None else joints.model,
-    )
+    controlled = controlled_gait(trained, None if joints is None else joints.model)
+    origin = _origin(trained, certificate, None if joints is None else joints.sha256)
+    return Design.of(controlled, exported_laws(bandwidth), origin)
 
 
 def with_monitor(
