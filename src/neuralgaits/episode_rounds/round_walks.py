@@ -18,13 +18,13 @@ from neuralgaits._types import Array, Float
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Log
 from neuralgaits.logs.satisfaction import satisfaction
 from neuralgaits.records.episode_records import Shares, WalkedRound
 from neuralgaits.records.simulated import WalkFigures
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import WalkEngine, engine_of_run
@@ -58,7 +58,7 @@ class Field:
         controller: control law, or its name.
     """
 
-    plant: PlanarBiped
+    plant: SensedRobot
     disturbance: PlantChanges
     controller: str | AbstractLaw
 

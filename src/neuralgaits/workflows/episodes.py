@@ -33,6 +33,7 @@ from neuralgaits.records.episode_records import (
 )
 from neuralgaits.records.fitted import FitSummary
 from neuralgaits.report.figures.rounds import draw_file
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import plain
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import CONFIG, FIT_SUMMARY
@@ -244,7 +245,7 @@ class _Session:
         place, config = self.folder.round(number), self.folder.config
         if (place / EPISODES_SUMMARY).is_file():
             return open_run(place)
-        robot = self.folder.robot
+        robot = robot_from_text(self.folder.robot.layout.xml, self.folder.robot.name)
         steps = config.steps
         seed = config.seed
         if (place / CONFIG).is_file():
