@@ -22,8 +22,7 @@ from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.control import AbstractLaw, ClfQp
-from neuralgaits.control.controlled_gait import ControlledGait
-from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control.controlled_gait import ControlledGait, law_for
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary

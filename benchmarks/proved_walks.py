@@ -19,8 +19,8 @@ from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.controlled_gait import ControlledGait
-from neuralgaits.control.law_by_name import at_bandwidth, law_for
+from neuralgaits.control.controlled_gait import ControlledGait, law_for
+from neuralgaits.control.law_by_name import at_bandwidth
 from neuralgaits.export.design import Design
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native.compiled_walk import Library

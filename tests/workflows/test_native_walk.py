@@ -17,8 +17,8 @@ from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import AbstractLaw, Controller, Pd, ScheduledPd
-from neuralgaits.control.controlled_gait import ControlledGait
-from neuralgaits.control.law_by_name import law_for, law_named
+from neuralgaits.control.controlled_gait import ControlledGait, law_for
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import from_json

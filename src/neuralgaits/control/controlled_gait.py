@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from neuralgaits.control.controller import Controller
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law import AbstractLaw
-from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control.law_by_name import law_named
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
@@ -42,3 +43,23 @@ class ControlledGait:
             reset_residual=self.reset_residual,
             joints=self.joints,
         )
+
+
+def law_for(
+    controller: str | AbstractLaw,
+    robot: PlanarBiped,
+    gait: AnyGait,
+    joints: JointModel | None = None,
+) -> AbstractLaw:
+    """Return a control law, by name or as it is, with what it keeps of a gait.
+
+    Args:
+        controller: law, by name or as an object.
+        robot: the model of the gait.
+        gait: policy and region, or a family of them.
+        joints: rotors and friction that torques are for; None for those of `robot`.
+
+    Raises: InputError for another name, SpecError for a gait that the law cannot have.
+    """
+    model = robot if joints is None else robot.with_joints(joints.armature, joints.damping)
+    return law_named(controller).for_gait(JointResponse(model), gait)

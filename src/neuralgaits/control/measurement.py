@@ -6,7 +6,7 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Coordinates, Float, Int, Planar, Scalar
 from neuralgaits.gait.zero_coordinates import Mechanism
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.robots.robot_file import RobotFile
 
 

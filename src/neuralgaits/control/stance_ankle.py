@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.control.law import MeasuredState
 from neuralgaits.control.measurement import of_all_motors
-from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.feet import FlatFeet
+from neuralgaits.robots.layout import MjcfLayout
 
 
 def read(reading: MeasuredState, torque: Callable[[ZeroState], Scalar | None]) -> MeasuredState:

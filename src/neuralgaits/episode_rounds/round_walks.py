@@ -17,7 +17,7 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control.controlled_gait import law_for
 from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics

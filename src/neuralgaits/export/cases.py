@@ -17,7 +17,6 @@ from neuralgaits.control.measurement import Measurement, coordinates
 from neuralgaits.control.safeguard import Fault, joint_ranges
 from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import drawn_commands, lifted, single
-from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 
 NEVER = 1e30
@@ -252,7 +251,7 @@ def _clear(design: Design, cases: Cases) -> np.ndarray:
     @jax.vmap
     def ahead(measurement, leg):
         q, _ = coordinates(robot, measurement, leg)
-        return swing_foot(robot, q)[0]
+        return robot.swing_foot(q)[0]
 
     measurement = jax.tree.map(jnp.asarray, cases.measurement(design))
     foot = np.asarray(ahead(measurement, jnp.asarray(cases.leg)))

@@ -18,12 +18,6 @@ from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import LEAN, place_of
 from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.robots.dynamics import (
-    centre_of_mass_velocity,
-    hip_position,
-    hip_velocity,
-    swing_foot,
-)
 from neuralgaits.robots.mjcf.leaning import leaning_robot
 
 
@@ -50,10 +44,9 @@ def zero_dynamics_state(controller: Controller) -> Part:
         q: Coordinates, dq: Coordinates, hip_velocity_: Planar, lean: Scalar | None = None
     ) -> dict[str, Array]:
         own = leaning_robot(robot, lean)
-        foot = hip_velocity_ - hip_velocity(own, q, dq)
+        foot = hip_velocity_ - own.hip_velocity(q, dq)
         z, dz = zero_state(own, q, dq, foot)
-        speed = centre_of_mass_velocity(own, q, dq)[0]
-        return {"z": z, "dz": dz, "ddz2": own.mass * own.gravity * speed}
+        return {"z": z, "dz": dz, "ddz2": own.momentum_rate_rate(q, dq)[0]}
 
     n = robot.n
     return Part(
@@ -90,7 +83,7 @@ def feet(controller: Controller) -> Part:
     robot = controller.robot
 
     def places(q: Coordinates) -> dict[str, Array]:
-        return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
+        return {"foot": robot.swing_foot(q), "hip": robot.hip_position(q)}
 
     return Part(
         "ng_feet",

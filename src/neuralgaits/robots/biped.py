@@ -129,6 +129,10 @@ class PlanarBiped(BipedConstants):
         root = self.n // 2 - 1
         return jnp.where(stance == 0, self.link_angles[root], self.link_angles[self.n - 1 - root])
 
+    def hip_position(self, q: Coordinates) -> Planar:
+        """Hip from the stance foot, (x, z) [m]. [2]."""
+        return dynamics.hip_position(self, q)
+
     def hip_velocity(self, q: Coordinates, dq: Coordinates) -> Planar:
         """Velocity of the hip, (x, z), with the stance foot at rest [m/s]. [2]."""
         return dynamics.hip_velocity(self, q, dq)

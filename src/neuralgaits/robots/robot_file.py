@@ -3,8 +3,8 @@
 from typing import Protocol, runtime_checkable
 
 from neuralgaits._types import Actuated, Scalar
-from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.feet import FlatFeet
+from neuralgaits.robots.layout import MjcfLayout
 
 
 @runtime_checkable

@@ -12,7 +12,7 @@ from neuralgaits.control import (
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.gait.commands import CommandLimits
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.plant import Plant
 
