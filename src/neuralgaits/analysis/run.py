@@ -159,7 +159,9 @@ LARGEST = 1e30
 """Limit on a policy's weights: beyond it nothing that is computed from them is finite."""
 # Compiled once, not once a call.
 _gait_at = quick_filter_jit(CommandedGait.at)
-_policy_at = quick_filter_jit(lambda one, *at: one.family.at(one.robot, *at))
+_policy_at = quick_filter_jit(
+    lambda steps, pair: steps.family.at(steps.robot, pair, steps.reset_residual)
+)
 
 
 class PolicyOfSteps(eqx.Module):
@@ -179,7 +181,7 @@ class PolicyOfSteps(eqx.Module):
         Raises: InputError on missing or other names, and values outside their range.
         """
         pair = Pair(*(values(self.family.commands, command) for command in (from_, to)))
-        return jax.tree.map(np.asarray, _policy_at(self, pair, self.reset_residual))
+        return jax.tree.map(np.asarray, _policy_at(self, pair))
 
     def parameters_of_step(self, pair: Pair) -> Float[Array, " s"]:
         """Return the parameters that a controller has for a step with these commands."""
