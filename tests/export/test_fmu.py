@@ -127,7 +127,7 @@ def test_both_versions_give_the_same(fmus, walks):
 
 
 def test_torques_are_motor_commands_times_gears(walks, walker):
-    layout = walker[0].robot.layout
+    layout = walker[0].controller.robot.layout
     for leg, joints in enumerate(layout.leg_joints):
         for i, name in enumerate(joints):
             gear = layout.gears[leg][i] * layout.leg_joint_signs[leg][i]
