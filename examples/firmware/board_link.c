@@ -128,7 +128,7 @@ static void answer_refused(const unsigned char *packet, uint32_t why, uint32_t n
     answer(refused, sizeof refused);
 }
 
-/* A start of this gait under `pd`, the law of the main loop. Others are refused, with the reason. */
+/* A start of this gait under the law of the main loop. Others are refused, with the reason. */
 static int is_start(const unsigned char *packet, ssize_t bytes)
 {
     if (bytes < HEAD || memcmp(packet, "NGS1", 4) != 0) {
@@ -139,9 +139,10 @@ static int is_start(const unsigned char *packet, ssize_t bytes)
         answer_refused(packet, OTHER_COMMANDS, NG_COMMANDS);
         return 0;
     }
-    if (get32(packet + 8) != NG_LAW_PD) {
-        fprintf(stderr, "firmware: refused a start: its main loop has the law pd alone\n");
-        answer_refused(packet, OTHER_LAW, NG_LAW_PD);
+    if (get32(packet + 8) != NG_LAW_DEFAULT) {
+        fprintf(stderr, "firmware: refused a start: its main loop has the law %s alone\n",
+                ng_laws[NG_LAW_DEFAULT].name);
+        answer_refused(packet, OTHER_LAW, NG_LAW_DEFAULT);
         return 0;
     }
     return get32(packet + 12) < NG_LEGS;

@@ -36,7 +36,7 @@ static void send(ng_supervisor *supervisor, const ng_supervision *decided)
 
 static void run(void)
 {
-    ng_supervisor_config config = ng_supervisor_config_of(&ng_laws[NG_LAW_PD]);
+    ng_supervisor_config config = ng_supervisor_config_of(&ng_laws[NG_LAW_DEFAULT]);
     ng_supervisor supervisor;
     ng_supervision decided;
     ng_estimator estimator;

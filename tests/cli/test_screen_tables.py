@@ -499,6 +499,28 @@ def test_a_proof_at_full_order_is_shown_with_the_control_law_that_it_is_about(
     )
 
 
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({}, "fblin at 50 rad/s: proved for ticks at most 1.75 ms apart, one of them at each"),
+        ({"rest": 0.02}, "scheduled-pd at 50 rad/s: proved for ticks at most 1.75 ms apart"),
+        ({"kick": 42.0}, "at most 1.75 ms apart, wherever touchdowns lie"),
+    ],
+)
+def test_a_proof_of_held_torques_is_shown_with_its_law_and_ticks(
+    more: dict[str, float], words: str, capsys: Captured
+) -> None:
+    levels = [LEVEL | {"level": level, "figures": {"w": 50.0}} for level in (2, 3, 4)]
+    held = LEVEL | {"level": 5, "figures": {"push": 0.9, "hold": 0.00175} | more}
+    brief.brief_proof(CertificateRecord.of(PROOF | {"levels": [*levels, held]}))
+    out = " ".join(capsys.readouterr().out.split())
+    assert words in out.split(" law ")[1]
+    # Level 5 (a) alone is of no held torque.
+    alone = held | {"figures": {"push": 0.9}}
+    brief.brief_proof(CertificateRecord.of(PROOF | {"levels": [*levels, alone]}))
+    assert " law " not in capsys.readouterr().out
+
+
 def _shown(name: str, columns: int, capsys: Captured, monkeypatch: Environment) -> str:
     monkeypatch.setenv("COLUMNS", str(columns))
     show, result = SCREENS[name]

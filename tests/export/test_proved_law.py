@@ -30,7 +30,10 @@ from neuralgaits.gait.scheduled_gains import ScheduledGains
 from neuralgaits.records.exported import UncheckedExport
 from neuralgaits.records.law_proof import LawProof, summary_of
 from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.simulation.linked.config import LinkConfig
+from neuralgaits.workflows import proved_controller
 from neuralgaits.workflows.export import design_of, export_controller, with_monitor
+from neuralgaits.workflows.proved_controller import proved_bandwidth, with_proved_law
 from support import monitored
 from support.compiled import folder_with
 from support.full_case import in_the_ball
@@ -69,7 +72,8 @@ def stated(run, design):
 def certificate_with(full, shape) -> Any:
     """A reading that bears out level 5 with these constants."""
     proof = SimpleNamespace(theorems=SimpleNamespace(parameters={4: full, 5: shape}))
-    summary = SimpleNamespace(levels=[SimpleNamespace(level=5, proved=True)])
+    levels = [SimpleNamespace(level=5, proved=True)]
+    summary = SimpleNamespace(levels=levels, level=5, verdict="proved")
     return SimpleNamespace(proof=proof, summary=summary, part=None)
 
 
@@ -225,6 +229,44 @@ def test_below_level_5_no_law_is_proved(run):
     certificate = read_certificate(run.folder)
     design, _ = with_monitor(design_of(run), run, certificate)
     assert design.monitor is not None and design.law_proofs == ()
+    assert design.default_law == "pd"
+    assert "#define NG_LAW_DEFAULT 0\n" in gait_files(design)["gait.h"]
+
+
+def test_the_law_that_is_proved_is_the_default_of_an_export(run, stated):
+    """With the bandwidth of the proof, unless another one is asked for."""
+    full, shape = stated
+    exact = replace(shape, torque_gains=(), inertia_gains=())
+    for name, theorem in (("scheduled-pd", shape), ("fblin", exact)):
+        certificate = certificate_with(full, theorem)
+        written = design_of(run, certificate)
+        own = {"fblin": 30.0, "scheduled-pd": 40.0, name: W}
+        laws: Any = written.controllers
+        assert {one: laws[one].law.bandwidth for one in own} == own
+        assert written.default_law == name
+        number = list(written.controllers).index(name)
+        assert f"#define NG_LAW_DEFAULT {number}\n" in gait_files(written)["gait.h"]
+        other = design_of(run, certificate, bandwidth=35.0)
+        assert not any(one.proved for one in other.law_proofs) and other.default_law == "pd"
+    slow = certificate_with(full, replace(shape, hold=5e-4))
+    assert design_of(run, slow).default_law == "pd"
+
+
+def test_walks_use_the_law_that_is_proved(run, stated, monkeypatch):
+    """The C by its default law, a law of Python by the bandwidth of the proof about it."""
+    full, shape = stated
+    certificate = certificate_with(full, shape)
+    own = LinkConfig(lockstep=True)
+    pd = replace(own, law="pd")
+    assert with_proved_law(run, own, None, None) == pd
+    assert proved_bandwidth(run, "scheduled-pd") is None
+    monkeypatch.setattr(proved_controller, "read_certificate", lambda folder: certificate)
+    assert with_proved_law(run, own, None, None) == replace(own, law="scheduled-pd")
+    assert with_proved_law(run, own, None, 35.0) == pd
+    assert with_proved_law(run, pd, None, None) == pd
+    assert with_proved_law(run, None, None, None) is None
+    laws = ("pd", "fblin", "scheduled-pd", ScheduledPd())
+    assert [proved_bandwidth(run, law) for law in laws] == [None, None, W, None]
 
 
 def test_a_bandwidth_without_control_laws_is_refused(run, tmp_path):

@@ -18,7 +18,8 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.final_boxes import boxes_of_proof
 from neuralgaits.records.fitted import FitSummary
-from neuralgaits.records.level_words import FULL_ORDER_LEVEL, WORDS
+from neuralgaits.records.law_proof import LawProof
+from neuralgaits.records.level_words import DISTURBED_LEVEL, FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import ReportRecord
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.trained import TrainingSummary
@@ -177,6 +178,7 @@ def brief_proof(result: CertificateRecord, *, hint: bool = True) -> None:
     if level and not open_ and above is None:
         if level > FULL_ORDER_LEVEL:
             subject = "the rigid model, joints off target, under torques within level 5's bounds"
+            facts += _law(result)
         elif level == FULL_ORDER_LEVEL:
             subject = (
                 "the rigid model under exact linearisation in continuous time, joints off target"
@@ -191,6 +193,21 @@ def brief_proof(result: CertificateRecord, *, hint: bool = True) -> None:
     facts += [("proof", result.proof)] if result.proof else []
     facts.append(("next", _after_proof(result)))
     show_facts(facts)
+
+
+def _law(result: CertificateRecord) -> list[tuple[str, str]]:
+    """Say of which control law level 5 is, and of which ticks; nothing if it is of no held torque.
+
+    The law's own rest and the kick at a touchdown are constants of that law and that clock alone.
+    """
+    figures = {one.level: one.figures for one in result.levels}
+    full, disturbed = figures[FULL_ORDER_LEVEL], figures[DISTURBED_LEVEL]
+    if "hold" not in disturbed:
+        return []
+    name = "scheduled-pd" if "rest" in disturbed else "fblin"
+    clock = "free" if "kick" in disturbed else "touchdown"
+    proof = LawProof(name, full["w"], name, disturbed["hold"], clock)
+    return [("law", proof.words)]
 
 
 def _after_proof(result: CertificateRecord) -> str:

@@ -67,7 +67,7 @@ def _show_unproved(result: ExportRecord) -> None:
             asked = command(
                 "certify", named(result.run), "--level", "5", "--bandwidth", f"{width:g}"
             )
-            looks = f" `{asked}` looks for a proof of fblin exported with --bandwidth {width:g}."
+            looks = f" `{asked}` looks for a proof of fblin, which then is the default law."
     show_sentence(
         Text("level 5", "yellow"),
         ": nothing is proved of these laws; a proof of levels 1 to 4 is about the model under "

@@ -105,6 +105,12 @@ class Design:
         return next(iter(self.controllers.values()))
 
     @property
+    def default_law(self) -> str:
+        """Name of the law that level 5 of the proof is about; of the first if there is none."""
+        proved = (one.law for one in self.law_proofs if one.proved)
+        return next(proved, next(iter(self.controllers)))
+
+    @property
     def commands(self) -> Commands:
         """Commands that the gait takes at each touchdown."""
         return self.gait.commands

@@ -106,7 +106,7 @@ def _words(design: Design, files: dict[str, str]) -> dict[str, str]:
         "RATE": str(round(1.0 / design.controller.period_s)),
         "JOINTS": ", ".join(_yaml(name) for name in _joints(design)),
         "CONTACTS": ", ".join(_yaml(name) for name in _contacts(design)),
-        "LAW": next(iter(design.controllers)),
+        "LAW": design.default_law,
         **(_SUPERVISED if design.supervised else _PLAIN),
     }
 

@@ -76,6 +76,7 @@ def _names(design: Design) -> list[str]:
     words = controller_facts.names(design) | {
         f"law_{name.replace('-', '_')}": number for number, name in enumerate(design.controllers)
     }
+    words["law_default"] = list(design.controllers).index(design.default_law)
     return [
         f"#define NG_{name.upper()} {value if isinstance(value, int) else quoted(value)}"
         for name, value in words.items()

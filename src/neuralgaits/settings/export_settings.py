@@ -42,8 +42,8 @@ class ExportSettings(Settings):
     """Friction and rotors in the torques of pd, fblin and scheduled-pd, as fit --joints identified
     them: latest for the run's own, or a file."""
     bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
-    """Double pole w of the output errors under fblin and scheduled-pd: 30 and 40 if not given.
-    Level 5 is proved for one w, that of certify --bandwidth."""
+    """Double pole w of the output errors under fblin and scheduled-pd. If not given, that of the
+    run's proof of level 5 for the law that it is about, else 30 and 40."""
     supervisor: Flag = False
     """With --format fmu, fmu2 or ros2: stand, walk and stop on request, and damp after a fault."""
     states: Fixed[int] = 100_000

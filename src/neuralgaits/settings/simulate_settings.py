@@ -42,8 +42,8 @@ class SimulateSettings(Settings):
     phase; c: the exported controller as a process of its own. To walk with the supervisor, use c
     with --link address=HOST:PORT of the firmware in examples/firmware."""
     bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
-    """Double pole w of the output errors under fblin, scheduled-pd or clf-qp: 30, 40 and 30 if not
-    given. Level 5 is proved for one w, that of certify --bandwidth."""
+    """Double pole w of the output errors under fblin, scheduled-pd or clf-qp. If not given, that of
+    the run's proof of level 5 for the law that it is about, else 30, 40 and 30."""
     link: Connection = None
     """Settings of the connection to controller c, as in
     law=fblin,lockstep=1,loss=0.01,jitter_ms=2; address=HOST:PORT is that of a controller you have

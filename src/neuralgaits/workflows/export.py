@@ -9,13 +9,13 @@ import numpy as np
 from neuralgaits._version import __version__
 from neuralgaits.analysis.joint_file import JointFile, read_joints
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.run_certificate.proved_law import law_proofs
+from neuralgaits.certificate.run_certificate.proved_law import law_proofs, proved_law
 from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
 from neuralgaits.certificate.run_certificate.verified_summary import (
     CertificateReading,
     read_certificate,
 )
-from neuralgaits.control.law_by_name import exported_laws
+from neuralgaits.control.law_by_name import at_bandwidth, exported_laws
 from neuralgaits.deployment.deployment_reader import read_deployment
 from neuralgaits.deployment.deployment_template import deployment_text, template
 from neuralgaits.errors import InputError, SpecError
@@ -190,23 +190,26 @@ def design_of(
         trained: the run.
         certificate: its certificate; read if None.
         joints: identified joints that torques are for; those of the run's robot if None.
-        bandwidth: double pole of output errors under laws that have one [rad/s]; their own if None.
+        bandwidth: double pole of output errors under laws that have one [rad/s]. If None, that of
+            the proof for the law that level 5 is about, their own for the others.
     """
     certificate = certificate or read_certificate(trained.folder)
+    laws = exported_laws(bandwidth)
+    if bandwidth is None and (proved := proved_law(certificate)) is not None:
+        laws[proved.name] = at_bandwidth(proved.name, proved.bandwidth)
     controlled = controlled_gait(trained, None if joints is None else joints.model)
     origin = _origin(trained, certificate, None if joints is None else joints.sha256)
-    return Design.of(controlled, exported_laws(bandwidth), origin)
+    design = Design.of(controlled, laws, origin)
+    return replace(design, law_proofs=law_proofs(trained, certificate, design.controllers))
 
 
 def with_monitor(
     design: Design, trained: Run, certificate: CertificateReading
 ) -> tuple[Design, list[str]]:
-    """Return the design with what is proved: a monitor, and why it has none; the laws of level 5.
+    """Return the design with a monitor of the proved sets, and why it has none.
 
     Without a certificate of the run's own there is none, which another warning says.
     """
-    proofs = law_proofs(trained, certificate, design.controllers)
-    design = replace(design, law_proofs=proofs)
     try:
         monitored = replace(design, monitor=monitor_of(trained, certificate))
         monitor_files(monitored)

@@ -49,6 +49,7 @@ from neuralgaits.workflows.adapted_walk import adaptation
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.monitor_walk import required_monitor, watched
 from neuralgaits.workflows.planarise import robot_from
+from neuralgaits.workflows.proved_controller import proved_bandwidth, with_proved_law
 from neuralgaits.workflows.replaced_walks import replaces_undisturbed
 from neuralgaits.workflows.simulation import Simulation
 from neuralgaits.workflows.walk_files import kept_plant, output_files
@@ -139,11 +140,13 @@ def _planned(settings: SimulateSettings) -> _Plan:
     if _on_workers(settings):
         measurements = {"monitor": settings.monitor, "joints": settings.joints is not None}
         refuse_shared(controller, settings.log, settings.video, terrain, **measurements)
-    joints = None
-    if settings.joints is not None:
+    joints = None if settings.joints is None else read_joints(run, settings.joints)
+    wire = with_proved_law(run, wire, joints, settings.bandwidth)
+    law = controller if wire is None else wire.law
+    if joints is not None:
         refuse_without_model(controller, wire)
-        joints = read_joints(run, settings.joints)
     refuse_bandwidth(controller, wire, settings.bandwidth)
+    bandwidth = settings.bandwidth or proved_bandwidth(run, law)
     monitor = required_monitor(run) if settings.monitor else None
     constant = run.trained.commands and commands is None
     run, courses = at_first(run, schedule.first), None
@@ -160,8 +163,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
     walks = TrainedWalks(
         run=run,
         plant=None if plant is None else robot_from(plant),
-        controller=controller if wire is None else wire.law,
-        bandwidth=settings.bandwidth,
+        controller=law,
+        bandwidth=bandwidth,
         steps=settings.steps,
         start=settings.start,
         push=settings.push or 0.0,
@@ -193,7 +196,7 @@ def _walk(
     record = bool(plan.films or settings.adapt)
     longest = 2**31 - 1 if plan.logs or plan.monitor else 0  # Ticks of a log: all of them.
     if wire is not None:
-        design = design_of(walks.run, joints=plan.joints, bandwidth=settings.bandwidth)
+        design = design_of(walks.run, joints=plan.joints, bandwidth=walks.bandwidth)
         with connected(design, wire, count, settings.seed) as remote:
             walk = walks.walk(0, count, record=record, longest=longest, remote=remote)
         return walk, remote.summary()
@@ -221,7 +224,7 @@ def _record(
         plant=walk.plant.robot.name,
         controller=law if isinstance(law, str) else type(law).__name__,
         law=fields_of_law(walk.law),
-        bandwidth=settings.bandwidth,
+        bandwidth=plan.walks.bandwidth,
         episodes=len(walk.episodes.endings),
         start=settings.start,
         push=settings.push,

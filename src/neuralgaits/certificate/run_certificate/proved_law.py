@@ -5,6 +5,7 @@ exported controllers: those must not act.
 """
 
 from collections.abc import Mapping
+from typing import Literal, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -25,6 +26,33 @@ ROUNDING = 1e-9
 """Largest difference of fitted gains from those of a proof file, as a share of the largest gain."""
 
 
+class ProvedLaw(NamedTuple):
+    """The control law that level 5 of a proof is about.
+
+    Attributes:
+        name: name of the law.
+        bandwidth: double pole of its output errors [rad/s].
+        hold_s: longest proved time between two ticks [s].
+        clock: whether one of the ticks has to be at each touchdown.
+    """
+
+    name: str
+    bandwidth: float
+    hold_s: float
+    clock: Literal["touchdown", "free"]
+
+
+def proved_law(certificate: CertificateReading) -> ProvedLaw | None:
+    """Return the law that level 5 of a certificate's proof is about; None if it is not proved."""
+    if certificate.proof is None or DISTURBED_LEVEL not in proved_levels(certificate):
+        return None
+    parameters = certificate.proof.theorems.parameters
+    full, disturbed = parameters[FULL_ORDER_LEVEL], parameters[DISTURBED_LEVEL]
+    name = "scheduled-pd" if disturbed.scheduled else "fblin"
+    clock = "free" if disturbed.free_clock else "touchdown"
+    return ProvedLaw(name, full.bandwidth, disturbed.hold, clock)
+
+
 def law_proofs(
     run: Run, certificate: CertificateReading, controllers: Mapping[str, Controller]
 ) -> tuple[LawProof, ...]:
@@ -37,20 +65,19 @@ def law_proofs(
 
     Returns: one for each law; none if level 5 is not proved of the run.
     """
-    if certificate.proof is None or DISTURBED_LEVEL not in proved_levels(certificate):
+    subject = proved_law(certificate)
+    if subject is None or certificate.proof is None:
         return ()
     parameters = certificate.proof.theorems.parameters
     full, disturbed = parameters[FULL_ORDER_LEVEL], parameters[DISTURBED_LEVEL]
-    subject = "scheduled-pd" if disturbed.scheduled else "fblin"
     proofs = []
     for name, controller in controllers.items():
-        reason = f"the proof is about {subject}"
-        if name == subject:
+        reason = f"the proof is about {subject.name}"
+        if name == subject.name:
             reason = _difference(run, controller, full, disturbed)
         law = controller.law
         width = law.bandwidth if isinstance(law, Fblin | ScheduledPd) else None
-        clock = "free" if disturbed.free_clock else "touchdown"
-        proofs.append(LawProof(name, width, subject, disturbed.hold, clock, reason))
+        proofs.append(LawProof(name, width, subject.name, subject.hold_s, subject.clock, reason))
     return tuple(proofs)
 
 

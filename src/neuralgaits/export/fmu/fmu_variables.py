@@ -180,7 +180,7 @@ def _parameters(design: Design) -> Iterator[FmuVariable]:
         "LAW",
         VariableType.INTEGER,
         Role.FIXED,
-        0,
+        list(design.controllers).index(design.default_law),
         f"control law ({laws})",
         low=0,
         high=len(design.controllers) - 1,

@@ -110,7 +110,7 @@ CallbackReturn GaitController::on_init()
             "contacts", names(ng_ros2_contacts, NG_BOARD_CHANNELS));
         auto_declare<std::vector<std::string>>("base_velocity", {});
         auto_declare<std::string>("imu", "imu");
-        auto_declare<std::string>("law", ng_laws[0].name);
+        auto_declare<std::string>("law", ng_laws[NG_LAW_DEFAULT].name);
         auto_declare<std::string>("mode", "effort");
 #if NG_ROS2_SUPERVISOR
         auto_declare<std::string>("request", kRequests[NG_REQUEST_DAMP]);

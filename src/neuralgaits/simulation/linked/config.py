@@ -15,7 +15,7 @@ class LinkConfig:
     """Settings of the link of plant and controller.
 
     Attributes:
-        law: name of the exported law.
+        law: name of the exported law; if empty, the default law of an export.
         lockstep: wait for every answer instead of keeping time.
         loss: probability that a packet is lost, each way.
         jitter_ms: packets are late by up to this much, each way, whole milliseconds.
@@ -25,7 +25,7 @@ class LinkConfig:
             compiled and started.
     """
 
-    law: str = "pd"
+    law: str = ""
     lockstep: bool = False
     loss: float = 0.0
     jitter_ms: float = 0.0

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
@@ -19,13 +20,14 @@ def connected(design: Design, config: LinkConfig, episodes: int, seed: int) -> I
 
     Args:
         design: design of the controller.
-        config: settings of the link.
+        config: settings of the link; its law is the design's default if none is named.
         episodes: number of controllers.
         seed: seed of the network's loss and delays.
 
     Raises: InputError if there is no compiler, or no controller at the address.
     """
     laws = list(design.controllers)
+    config = replace(config, law=config.law or design.default_law)
     if config.address:
         with Remote(None, laws, config, episodes, seed) as remote:
             yield remote

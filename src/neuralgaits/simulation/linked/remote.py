@@ -6,6 +6,7 @@ counts such ticks.
 """
 
 import time as clock
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -47,10 +48,11 @@ class Remote:
         Args:
             program: program compiled from the run's export; None with an address.
             laws: names of its laws, in their order.
-            config: settings of the link.
+            config: settings of the link; its law is the first if none is named.
             episodes: number of robots that walk at once; in real time only one.
             seed: seed of the network's loss and delays.
         """
+        config = replace(config, law=config.law or laws[0])
         if config.law not in laws:
             raise InputError(f"link law: expected one of {', '.join(laws)}, found {config.law!r}")
         if episodes > 1 and not config.lockstep:
