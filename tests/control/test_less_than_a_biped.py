@@ -81,8 +81,8 @@ def test_a_state_follows_from_what_sensors_read(robot, sensed, rng, leg):
     foot, stance = jnp.asarray(rng.uniform(-1, 1, 2)), jnp.asarray(leg)
     q, dq = coordinates(sensed, reading, stance)
     np.testing.assert_array_equal((q, dq), coordinates(robot, reading, stance))
-    states = (zero_state(one, q, dq, foot) for one in (sensed, robot))
-    np.testing.assert_array_equal(*map(np.asarray, states))
+    own, whole = (np.asarray(zero_state(one, q, dq, foot)) for one in (sensed, robot))
+    np.testing.assert_array_equal(own, whole)
     z2 = robot.momentum(q, dq)[0]
     found, _ = pinned(sensed, q, dq[1:], z2, jnp.zeros(()))
     np.testing.assert_allclose(found, dq, atol=1e-9)
