@@ -246,14 +246,12 @@ class _Session:
         if (place / EPISODES_SUMMARY).is_file():
             return open_run(place)
         robot = robot_from_text(self.folder.robot.layout.xml, self.folder.robot.name)
-        steps = config.steps
-        seed = config.seed
         if (place / CONFIG).is_file():
             self.tell(number, "training on")
             return train(robot, resume=place, progress=self.progress, root=self.root)
         # Copies of a command that was killed before its config was written.
         shutil.rmtree(place, ignore_errors=True)
-        settings: dict[str, Any] = {"seed": seed, "steps": steps, "out": place}
+        settings: dict[str, Any] = {"seed": config.seed, "steps": config.steps, "out": place}
         settings |= {"progress": self.progress, "root": self.root}
         if before is None:
             self.tell(number, "training on the model")
