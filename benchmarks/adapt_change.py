@@ -12,7 +12,7 @@ import numpy as np
 from common import whole
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control.controlled_gait import ControlledGait
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
@@ -57,14 +57,8 @@ def _speed(
     """
     gait = run.trained
     start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
-    live = LiveWalk(
-        run.robot,
-        gait.policy,
-        law_for(law, run.robot, gait, None),
-        start,
-        z2_range=momentum_range(gait),
-        library=library,
-    )
+    controlled = ControlledGait(run.robot, gait, momentum_range(gait))
+    live = LiveWalk(controlled.under(law), start, library=library)
     live.tell(speed=told)
     live.control.adapt(True)
     name, _, size = change.partition("=")

@@ -22,7 +22,7 @@ from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.control import AbstractLaw, ClfQp
-from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control.controlled_gait import ControlledGait, law_for
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary
@@ -146,14 +146,8 @@ def tick_times(
     """Processor time of each tick of a walk in C, policy and a call from Python included (us)."""
     library = library_of(run)
     start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
-    live = LiveWalk(
-        run.robot,
-        run.gait.policy,
-        law_for(law, run.robot, run.gait),
-        start,
-        z2_range=momentum_range(run.gait),
-        library=library,
-    )
+    controlled = ControlledGait(run.robot, run.gait, momentum_range(run.gait))
+    live = LiveWalk(controlled.under(law), start, library=library)
     live.disturb(torque_limit=torque_limit)
     call, times = library.tick, []
 

@@ -14,6 +14,7 @@ import numpy as np
 from common import ROOT, show
 
 from neuralgaits.analysis.run import Run
+from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd.solver import DEGREE, Optimiser
 from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.robots import load_robot
@@ -45,7 +46,7 @@ def main() -> None:
         show(f"{speed:.3f} m/s: {found.iterations} iterations, time [s]", taken, "<= 2")
         given = GaitOrigin("optimise", DEGREE, speed)
         run = given_run(
-            robot,
+            ZeroDynamics(robot, found.gait.policy),
             found.gait,
             given,
             start_time=time.perf_counter(),

@@ -14,6 +14,7 @@ import json
 import os
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import equinox as eqx
 import jax
@@ -31,7 +32,7 @@ mujoco_plant.PERIOD_S = mujoco_plant.SUBSTEPS * mujoco_plant.TIMESTEP_S
 # ruff: noqa: E402
 from neuralgaits.barriers import DiscreteBarrier, Gait, GaitSpec, functions, specs
 from neuralgaits.control import PAPER, AbstractLaw, Fblin, Pd
-from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait import ZeroDynamics, posture_path
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.setup.starts import momentum_range
@@ -156,7 +157,9 @@ def trained(robot: PlanarBiped, spec: GaitSpec, seed: int) -> tuple[Gait, float]
         return best, float(trainer.report(best, seed=FRESH_SEED).loss)
     if INIT == "posture":
         steps = spec.recipe.posture_steps
-        gait = start_from_posture(robot, gait, steps, jax.random.fold_in(key, 1))
+        gait = start_from_posture(
+            partial(posture_path, robot), gait, steps, jax.random.fold_in(key, 1)
+        )
     state = trainer.init(gait)
     while not trainer.done(state):
         state, _ = trainer.step(state)

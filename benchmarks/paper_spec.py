@@ -6,6 +6,7 @@ be reached. STEPS shortens the training, INITS=posture,random chooses the starts
 
 import os
 import time
+from functools import partial
 
 import equinox as eqx
 import jax
@@ -15,7 +16,7 @@ from common import show
 
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.barriers.spec import Init
-from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait import ZeroDynamics, posture_path
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.training import Trainer, start_from_posture
 
@@ -46,7 +47,9 @@ def trained(robot: PlanarBiped, spec: GaitSpec, init: Init) -> Gait:
     assert isinstance(gait, Gait)
     if init == "posture":
         steps = spec.recipe.posture_steps
-        gait = start_from_posture(robot, gait, steps, jax.random.fold_in(key, 1))
+        gait = start_from_posture(
+            partial(posture_path, robot), gait, steps, jax.random.fold_in(key, 1)
+        )
     trainer = Trainer.build(robot, spec, gait, steps=STEPS, seed=SEED)
     state = trainer.init(gait)
     while not trainer.done(state):

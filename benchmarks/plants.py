@@ -17,7 +17,8 @@ from common import seeds, show, trained
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.law_by_name import at_bandwidth, law_for
+from neuralgaits.control.controlled_gait import law_for
+from neuralgaits.control.law_by_name import at_bandwidth
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.metrics import summary

@@ -19,7 +19,8 @@ from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.law_by_name import at_bandwidth, law_for
+from neuralgaits.control.controlled_gait import ControlledGait, law_for
+from neuralgaits.control.law_by_name import at_bandwidth
 from neuralgaits.export.design import Design
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native.compiled_walk import Library
@@ -49,8 +50,8 @@ def walked(
     run: Run, law: AbstractLaw, library: Library, start: np.ndarray, *, at_touchdowns: bool
 ) -> Ticks:
     """Walk from a state and keep what the controller had at its ticks."""
-    z2 = momentum_range(run.gait)
-    walk = LiveWalk(run.robot, run.gait.policy, law, start, z2_range=z2, library=library)
+    controlled = ControlledGait(run.robot, run.gait, momentum_range(run.gait))
+    walk = LiveWalk(controlled.under(law), start, library=library)
     model, data = walk.plant.model, walk.data
     model.opt.timestep = FINE_S
     threshold = 0.05 * float(run.robot.mass * run.robot.gravity)

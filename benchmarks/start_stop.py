@@ -18,7 +18,7 @@ from common import show, trained, whole
 
 import neuralgaits
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.export.standing import Stand, centre_of_mass, posture, standing_postures
+from neuralgaits.gait.standing import Stand, centre_of_mass, posture, standing_postures
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.simulation.setup.disturbance import PlantChanges

@@ -129,6 +129,7 @@ def test_blending_starts_at_the_posture_it_finds(controller):
 
 def test_the_hold_has_the_lowest_gains_of_the_default_law():
     robot = load_robot("amber3m")
-    config, law = SafeguardConfig.for_robot(robot), Pd().with_gains_for(JointResponse(robot))
+    config = SafeguardConfig.for_joints(JointResponse(robot))
+    law = Pd().with_gains_for(JointResponse(robot))
     assert config.hold_stiffness == pytest.approx(min(law.stiffness))
     assert config.hold_damping == pytest.approx(min(law.damping))

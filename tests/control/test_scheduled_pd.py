@@ -10,9 +10,10 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.control import ScheduledPd, scheduled_pd
+from neuralgaits.control.controlled_gait import law_for
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law import Desired, MeasuredState
-from neuralgaits.control.law_by_name import fields_of_law, law_for
+from neuralgaits.control.law_by_name import fields_of_law
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.workflows.export import _designed

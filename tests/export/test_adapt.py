@@ -93,7 +93,7 @@ def readings():
 
 def expected_of(design, rows):
     """What Python makes of them."""
-    robot, adapter = design.robot, speed_adapter.adapter_for(design.commands)
+    robot, adapter = design.controller.robot, speed_adapter.adapter_for(design.commands)
     assert adapter is not None
     standing = quick_filter_jit(lambda one, leg: coordinates(robot, one, leg)[0])
     state, odometer = speed_adapter.start(adapter, 0.7), StepOdometer()

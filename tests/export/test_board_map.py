@@ -24,7 +24,7 @@ STATES = 300
 def deployed(request, tmp_path_factory):
     """Design with a deployment file, its map, and the program in both precisions."""
     made = design_for(request.param, {"pd": Pd()})
-    hardware = drawn(made.robot, 5)
+    hardware = drawn(made.controller.robot, 5)
     design = replace(made, deployment=hardware)
     source = (request.path.parent / MAIN).read_text()
     files = gait_files(design) | board_files(design) | {MAIN: source}
@@ -34,7 +34,7 @@ def deployed(request, tmp_path_factory):
         name: build.build("gcc", folder, name, sources, ("-O1", *flags))
         for name, flags in build.PRECISIONS.items()
     }
-    return BoardMap.of(hardware, design.robot.layout), programs
+    return BoardMap.of(hardware, design.controller.robot.layout), programs
 
 
 class Targets(NamedTuple):

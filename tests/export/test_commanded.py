@@ -134,8 +134,7 @@ def test_hostile_commands_under_sanitizers(files, tmp_path, flags):
 
 def test_one_function_of_the_commands_is_the_policy(told):
     """What ONNX is written from: no state, the commands before and after among its inputs."""
-    robot, policy = told.robot, told.gait.policy
-    program = policy_in_one(robot, policy, None).program
+    program = policy_in_one(told.controller).program
     assert {item.name: item.shape for item in program.inputs} == {
         "commands": (2, len(told.commands)),
         "dz": (2,),

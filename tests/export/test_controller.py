@@ -166,9 +166,15 @@ def test_hostile_inputs_under_sanitizers(files, tmp_path, flags):
 
 def test_facts_are_in_the_header(design, files):
     text = files["gait.h"]
-    for name in (*design.robot.joint_names, "knee_left", "hip_right", "0" * 64, "1" * 64):
+    for name in (
+        *design.controller.robot.joint_names,
+        "knee_left",
+        "hip_right",
+        "0" * 64,
+        "1" * 64,
+    ):
         assert name in text
-    stiffness = BANDWIDTH**2 * JointResponse(design.robot).inertia
+    stiffness = BANDWIDTH**2 * JointResponse(design.controller.robot).inertia
     gains = "/".join(f"{gain:.4g}" for gain in stiffness) + " N m/rad"
     for fact in (gains, "578 N m/rad", "30 rad/s", "41 N m", "0.001 s", "-1.6 to 1.6 rad"):
         assert fact in text
@@ -177,6 +183,6 @@ def test_facts_are_in_the_header(design, files):
 
 def test_other_gaits_have_other_headers(design):
     """The header says which policy; nothing of it is a fixed text."""
-    gait = specs.walking(design.robot).new_gait(jax.random.key(4), "posture", None)
-    other = Design(design.robot, gait, design.controllers, design.safeguard, design.origin)
+    gait = specs.walking(design.controller.robot).new_gait(jax.random.key(4), "posture", None)
+    other = Design(gait, design.controllers, design.safeguard, design.origin)
     assert gait_files(other)["gait.c"] != gait_files(design)["gait.c"]

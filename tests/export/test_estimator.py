@@ -81,7 +81,7 @@ def readings():
 @pytest.fixture(scope="module")
 def expected(design, readings):
     """What Python makes of them."""
-    robot, period = design.robot, design.controller.period_s
+    robot, period = design.controller.robot, design.controller.period_s
 
     @quick_filter_jit
     def run(readings):

@@ -98,10 +98,10 @@ def test_its_ticks_are_those_of_the_c(walks, walker, estimate, tmp_path):
     design, (_, given, found) = walker[0], walks[estimate]
     folder = folder_with(tmp_path / "c", gait_files(design) | {TWIN.name: TWIN.read_text()})
     program = build.build("gcc", folder, "twin", (*build.CORE, TWIN.name), ("-O1",))
-    legs = design.robot.layout.leg_joints
+    legs = design.controller.robot.layout.leg_joints
     joints = [name for leg in legs for name in leg]
     columns = ["pitch", "pitch_rate", "velocity.x", "velocity.z"]
-    columns += [f"force.{foot}" for foot in design.robot.layout.feet]
+    columns += [f"force.{foot}" for foot in design.controller.robot.layout.feet]
     columns += [f"angle.{name}" for name in joints] + [f"rate.{name}" for name in joints]
     rows = [[row.get(name, 0.0) for name in columns] for row in given]
     data = np.concatenate([[0.0, float(estimate), 200.0, 4.0], np.ravel(rows)]).tobytes()
@@ -127,7 +127,7 @@ def test_both_versions_give_the_same(fmus, walks):
 
 
 def test_torques_are_motor_commands_times_gears(walks, walker):
-    layout = walker[0].robot.layout
+    layout = walker[0].controller.robot.layout
     for leg, joints in enumerate(layout.leg_joints):
         for i, name in enumerate(joints):
             gear = layout.gears[leg][i] * layout.leg_joint_signs[leg][i]

@@ -43,13 +43,13 @@ def test_signs_are_those_of_the_robot_file(awkward):
     """What MuJoCo makes of the motor commands are the torques of the FMU."""
     design, path, fmu = awkward
     assert validate_fmu(str(path)) == []
-    plant = FmuPlant(design, np.zeros(2 * design.robot.n))
+    plant = FmuPlant(design, np.zeros(2 * design.controller.robot.n))
     middle = {name: np.mean(plant.model.joint(name).range) for name in plant.joints}
     for name, angle in middle.items():
         plant.data.joint(name).qpos[0] = angle
     mujoco.mj_forward(plant.model, plant.data)
     reading = plant.reading(rates=True)
-    signs = {sign for leg in design.robot.layout.leg_joint_signs for sign in leg}
+    signs = {sign for leg in design.controller.robot.layout.leg_joint_signs for sign in leg}
     assert signs == {1.0, -1.0} and len(middle) == 3
     with fmu.instance(estimate=False, **reading) as one:
         for tick in range(5):
@@ -57,7 +57,9 @@ def test_signs_are_those_of_the_robot_file(awkward):
         found = one.outputs()
     assert found["fault"] == 0
     for joints, actuators in zip(
-        design.robot.layout.leg_joints, design.robot.layout.actuators, strict=True
+        design.controller.robot.layout.leg_joints,
+        design.controller.robot.layout.actuators,
+        strict=True,
     ):
         for joint, actuator in zip(joints, actuators, strict=True):
             plant.data.actuator(actuator).ctrl[0] = found[f"motor.{joint}"]
@@ -71,7 +73,7 @@ def test_signs_are_those_of_the_robot_file(awkward):
 
 def test_joints_have_the_order_of_the_robot_file(awkward):
     design = awkward[0]
-    model = mujoco.MjModel.from_xml_string(design.robot.layout.xml)
+    model = mujoco.MjModel.from_xml_string(design.controller.robot.layout.xml)
     order = [model.joint(k).name for k in range(model.njnt)]
     names = [one.name for one in variables_of(design) if one.name.startswith("angle.")]
     places = [order.index(name.removeprefix("angle.").strip("'")) for name in names]

@@ -9,8 +9,8 @@ from fmpy.validation import validate_fmu
 
 from neuralgaits.errors import InputError
 from neuralgaits.export.fmu.fmu_variables import variables_of
-from neuralgaits.export.standing import standing_postures
 from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting
+from neuralgaits.gait.standing import standing_postures
 from neuralgaits.simulation.supervised.supervisor_library import SupervisorTick, supervisor_library
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.export import export_controller
@@ -46,7 +46,7 @@ def fmus(design, tmp_path_factory):
 @pytest.fixture(scope="module")
 def walk(fmus, design):
     """Steps, inputs and outputs of a robot that stands, walks and stops."""
-    postures = standing_postures(design.robot)
+    postures = standing_postures(design.controller.robot)
     assert postures is not None
     q = postures.path[0]
     plant = FmuPlant(design, np.concatenate([q, np.zeros_like(q)]))
@@ -79,7 +79,7 @@ def test_the_monitor_is_about_walking_alone(walk):
 
 def test_its_ticks_are_those_of_the_c(walk, design):
     _, given, found = walk
-    layout = design.robot.layout
+    layout = design.controller.robot.layout
     joints = [name for leg in layout.leg_joints for name in leg]
     columns = ["pitch", "pitch_rate", "velocity.x", "velocity.z"]
     columns += [f"force.{foot}" for foot in layout.feet]

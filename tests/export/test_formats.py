@@ -14,7 +14,7 @@ from neuralgaits.workflows.export import export_controller
 def _joints(design, states):
     """The joints' number as a text, compared with nothing."""
     del states
-    files = {"joints.txt": f"{design.robot.n}\n"}
+    files = {"joints.txt": f"{design.controller.robot.n}\n"}
     return files, partial(UncheckedExport, reason="nothing to compare with")
 
 

@@ -72,7 +72,7 @@ def expected_of(design, row):
     wanted = command_belief.believable(lean, estimate)
     next_lean = command_belief.next_belief(lean, estimate, after)
     missing = estimate.value - next_lean
-    excess = command_belief.speed_by_lean(design.robot) * missing
+    excess = command_belief.speed_by_lean(design.controller.robot) * missing
     tilted = command_belief.believable(ground, CommandEstimate(slope, 1))
     anew = abs(wanted - before) > SETTLED["lean"] or abs(tilted - slope) > SETTLED["slope"]
     gain = 0.3 if next_lean == wanted else 0.6

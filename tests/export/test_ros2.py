@@ -160,8 +160,9 @@ def test_the_yaml_has_every_parameter(package, supervised):
 
 def test_a_robot_of_any_name_makes_a_package(package):
     design, _ = package
-    robot = replace(design.robot, name='My Robot "2"</name>')
-    odd = replace(design, robot=robot, deployment=plain(design.robot))
+    robot = replace(design.controller.robot, name='My Robot "2"</name>')
+    controllers = {law: replace(one, robot=robot) for law, one in design.controllers.items()}
+    odd = replace(design, controllers=controllers, deployment=plain(design.controller.robot))
     files = ros2_files(odd, {})
     assert package_name(odd) == "neuralgaits_my_robot_2_name"
     ElementTree.fromstring(files["package.xml"])

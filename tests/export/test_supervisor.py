@@ -8,7 +8,7 @@ import pytest
 
 from neuralgaits.export import build
 from neuralgaits.export.source import gait_files
-from neuralgaits.export.standing import centre_of_mass, standing_postures
+from neuralgaits.gait.standing import centre_of_mass, standing_postures
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import centre_of_mass as centre_of_mass_in_jax
 from neuralgaits.robots.dynamics import hip_position, swing_foot

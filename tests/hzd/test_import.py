@@ -128,7 +128,14 @@ def test_a_gait_without_an_orbit_is_refused(amber, tmp_path, value, by, error, s
     given = GaitOrigin(by, gait.degree, 0.35 if by == "optimise" else None)
     with pytest.raises(error, match=said):
         still = gait._replace(coefficients=stiff)
-        given_run(amber, still, given, start_time=0.0, out=tmp_path / "run", root=tmp_path)
+        given_run(
+            ZeroDynamics(amber, still.policy),
+            still,
+            given,
+            start_time=0.0,
+            out=tmp_path / "run",
+            root=tmp_path,
+        )
     assert not (tmp_path / "run").exists()
 
 

@@ -40,7 +40,9 @@ def optimised(amber, optimiser, tmp_path_factory):
     speed = published_gaits.GAITS["0.67"]["recomputed"]["steady"]["v"]
     given = GaitOrigin("optimise", solver.DEGREE, speed)
     gait = optimiser.at(speed).gait
-    return given_run(amber, gait, given, start_time=0.0, out=root / "run", root=root)
+    return given_run(
+        ZeroDynamics(amber, gait.policy), gait, given, start_time=0.0, out=root / "run", root=root
+    )
 
 
 @pytest.mark.slow

@@ -28,9 +28,13 @@ def gait(amber, spec):
 
 
 @pytest.fixture(scope="module")
-def state_at(amber, gait):
+def zd(amber, gait):
+    return ZeroDynamics(amber, gait.policy)
+
+
+@pytest.fixture(scope="module")
+def state_at(zd, gait):
     """Full states at charts, by one compiled shape."""
-    zd = ZeroDynamics(amber, gait.policy)
     lift = jax.jit(jax.vmap(lambda u: zd.phi_inv(gait.z(u))))
 
     def at(charts):
@@ -73,30 +77,30 @@ def grid(levels):
     return [(phase, level) for phase in np.linspace(0.05, 0.95, COUNT) for level in levels]
 
 
-def test_states_inside_the_tube_are_inside_and_others_are_not(amber, gait, spec, log_at):
-    inside = satisfaction([log_at(grid([0.05, 0.95]))], amber, gait, spec)
+def test_states_inside_the_tube_are_inside_and_others_are_not(zd, gait, spec, log_at):
+    inside = satisfaction([log_at(grid([0.05, 0.95]))], zd, gait, spec)
     assert inside.tube == 1.0
     assert inside.rows == pytest.approx(2 * COUNT + 10, abs=1)
-    half = satisfaction([log_at(grid([1.05, 0.95, -0.05, 0.05])[2:])], amber, gait, spec)
+    half = satisfaction([log_at(grid([1.05, 0.95, -0.05, 0.05])[2:])], zd, gait, spec)
     assert half.tube == pytest.approx(0.5, abs=0.06)
     assert half.all <= half.tube
 
 
 def test_a_condition_is_judged_as_on_the_zero_dynamics_where_the_robot_is_on_them(
-    amber, gait, spec, log_at
+    zd, gait, spec, log_at
 ):
     charts = np.array(grid([0.1, 0.5, 0.9]))
-    found = satisfaction([log_at(charts)], amber, gait, spec)
+    found = satisfaction([log_at(charts)], zd, gait, spec)
     log = log_at(charts)
     device = jax.tree.map(jnp.asarray, gait)
-    zd = ZeroDynamics(amber, device.policy)
+    on_device = ZeroDynamics(zd.robot, device.policy)
     judged = log.t >= 0.02
     charts = np.concatenate([np.repeat(charts[:1], 30, axis=0), charts])[judged]
     names = ("foot-ceiling", "forward", "foot-rises")
     chosen = [next(c for c in spec.conditions if c.name == name) for name in names]
 
     def held(u):
-        point = zd.point(device.z(u))
+        point = on_device.point(device.z(u))
         return jnp.stack([jnp.all(c.margins(point, device) >= 0.0) for c in chosen])
 
     judgement = np.asarray(jax.jit(jax.vmap(held))(jnp.asarray(charts)))
@@ -108,44 +112,44 @@ def test_a_condition_is_judged_as_on_the_zero_dynamics_where_the_robot_is_on_the
         assert found_there == pytest.approx(expected, abs=1e-12), condition.name
 
 
-def test_forces_and_impacts_are_not_judged_because_no_log_holds_them(amber, gait, spec, log_at):
-    found = satisfaction([log_at(grid([0.5]))], amber, gait, spec)
+def test_forces_and_impacts_are_not_judged_because_no_log_holds_them(zd, gait, spec, log_at):
+    found = satisfaction([log_at(grid([0.5]))], zd, gait, spec)
     unknown = {"normal-force", "friction-forward", "impulse", "old-foot-leaves", "tube-width"}
     assert not unknown & set(found.conditions)
     assert {"torso-lower", "torque-upper", "foot-clears"} <= set(found.conditions)
 
 
-def test_a_torque_beyond_its_share_and_a_bent_torso_are_seen(amber, gait, spec, log_at):
+def test_a_torque_beyond_its_share_and_a_bent_torso_are_seen(amber, zd, gait, spec, log_at):
     log = log_at(grid([0.5]))
     tau = log.tau.copy()
     tau[-COUNT // 2 :, 1] = 1.01 * 0.927 * float(amber.torque_limit[1])
-    found = satisfaction([replace(log, tau=tau)], amber, gait, spec)
+    found = satisfaction([replace(log, tau=tau)], zd, gait, spec)
     assert found.conditions["torque-upper"] == pytest.approx(1 - 20 / found.rows, abs=1e-9)
     assert found.conditions["torque-lower"] == 1.0
     strict = spec.without("torso-upper").with_conditions(
         Pointwise("torso-upper", "tube", 1.0, functions.at_most(functions.torso_angle, -1.0))
     )
-    assert satisfaction([log], amber, gait, strict).conditions["torso-upper"] == 0.0
-    assert satisfaction([log], amber, gait, strict).all == 0.0
+    assert satisfaction([log], zd, gait, strict).conditions["torso-upper"] == 0.0
+    assert satisfaction([log], zd, gait, strict).all == 0.0
 
 
-def test_torques_that_were_not_logged_are_not_judged(amber, gait, spec, log_at):
+def test_torques_that_were_not_logged_are_not_judged(zd, gait, spec, log_at):
     log = replace(log_at(grid([0.5])), torques_logged=False)
-    found = satisfaction([log], amber, gait, spec).conditions
+    found = satisfaction([log], zd, gait, spec).conditions
     assert not {"torque-upper", "torque-lower"} & set(found)
     assert {"torso-lower", "foot-clears"} <= set(found)
 
 
-def test_rows_just_after_a_touchdown_are_not_judged(amber, gait, spec, log_at):
+def test_rows_just_after_a_touchdown_are_not_judged(zd, gait, spec, log_at):
     log = log_at(grid([0.5]))
     stance = log.stance.copy()
     stance[50:] = 1
-    before = satisfaction([log], amber, gait, spec).rows
-    assert before - satisfaction([replace(log, stance=stance)], amber, gait, spec).rows == 20
+    before = satisfaction([log], zd, gait, spec).rows
+    assert before - satisfaction([replace(log, stance=stance)], zd, gait, spec).rows == 20
 
 
-def test_no_rows_are_no_satisfaction(amber, gait, spec, log_at):
+def test_no_rows_are_no_satisfaction(zd, gait, spec, log_at):
     log = log_at(grid([0.5]))
-    found = satisfaction([log.only(log.t < 0.01)], amber, gait, spec)
+    found = satisfaction([log.only(log.t < 0.01)], zd, gait, spec)
     assert found.rows == 0
     assert found.conditions == {}

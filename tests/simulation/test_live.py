@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from neuralgaits.control import Fblin
+from neuralgaits.control import Controller, Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.simulation.live import LiveWalk
@@ -23,7 +23,7 @@ LAW = Fblin()
 @pytest.fixture
 def live(amber, slow):
     policy, start = slow
-    return LiveWalk(amber, policy, LAW, start)
+    return LiveWalk(Controller.init(amber, policy, LAW), start)
 
 
 def advance(live, seconds):

@@ -7,7 +7,7 @@ import pytest
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import specs
-from neuralgaits.control import Fblin
+from neuralgaits.control import Controller, Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.runs import RunFolder
 from neuralgaits.simulation.live import LiveWalk
@@ -16,7 +16,7 @@ from neuralgaits.simulation.setup import live_course
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import joined, stones_at
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.setup.starts import controlled_gait, full_states, momentum_range
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk
 from support.designs import FOOTHOLDS, family_for
@@ -52,15 +52,8 @@ def start_of(run, ground):
 
 
 def live_on(run, ground, library):
-    return LiveWalk(
-        run.robot,
-        run.trained.policy,
-        LAW,
-        start_of(run, ground)[0],
-        z2_range=momentum_range(run.trained),
-        library=library,
-        ground=ground,
-    )
+    controller = controlled_gait(run).under(LAW)
+    return LiveWalk(controller, start_of(run, ground)[0], library=library, ground=ground)
 
 
 @pytest.fixture
@@ -187,7 +180,7 @@ def test_a_wish_is_heard_while_the_next_stone_is_still_far(stairs):
 
 def test_a_floor_has_no_sizes(amber, slow):
     policy, start = slow
-    live = LiveWalk(amber, policy, LAW, start)
+    live = LiveWalk(Controller.init(amber, policy, LAW), start)
     assert live.course is None and live.sizes == {}
     with pytest.raises(InputError, match="found a floor"):
         live.resize("rise", 0.0)

@@ -9,6 +9,7 @@ import pytest
 
 from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
+from neuralgaits.control.controlled_gait import ControlledGait
 from neuralgaits.simulation.native.struct_layout import layout_of
 from neuralgaits.simulation.native_walk import _design, sources
 from neuralgaits.simulation.setup.starts import momentum_range
@@ -48,7 +49,7 @@ def test_every_field_is_where_the_compiler_puts_it(folder, tmp_path):
         expected.append([offset, kind.itemsize])
         one = f"offsetof(ng_record, {name}), sizeof(((ng_record *)0)->{name})"
         prints.append(f'printf("%zu %zu\\n", {one});')
-    for name, text in sources(_design(robot, gait, momentum_range(gait))).items():
+    for name, text in sources(_design(ControlledGait(robot, gait, momentum_range(gait)))).items():
         (tmp_path / name).write_text(text)
     included = '#include <stddef.h>\n#include <stdio.h>\n#include "walk.h"\n'
     (tmp_path / "main.c").write_text(

@@ -85,7 +85,7 @@ def test_a_robot_without_a_camera_fills_most_of_the_height(amber):
     mujoco.mj_forward(plant.model, data)
     camera: Any = video._camera(plant, data)
     seen = 2.0 * camera.distance * np.tan(np.radians(0.5 * plant.model.vis.global_.fovy))
-    leg = plant.robot.leg_length
+    leg = plant.robot.layout.leg_length
     low, high = camera.lookat[2] - 0.5 * seen, camera.lookat[2] + 0.5 * seen
     # From below the feet to above a torso as long as the leg.
     assert low < 0.0 and high > 1.95 * leg

@@ -5,6 +5,7 @@ import numpy as np
 
 from neuralgaits.barriers import specs
 from neuralgaits.control import PAPER, Fblin, Pd, ScheduledPd
+from neuralgaits.control.controlled_gait import ControlledGait
 from neuralgaits.export.design import Design, Origin
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
@@ -21,7 +22,7 @@ def design_for(name: str, laws: dict) -> Design:
     """The design of an untrained gait."""
     robot = load_robot(name)
     gait = specs.walking(robot).new_gait(jax.random.key(3), "posture", None)
-    return Design.of(robot, gait, laws, momentum_range(gait), ORIGIN)
+    return Design.of(ControlledGait(robot, gait, momentum_range(gait)), laws, ORIGIN)
 
 
 def family_for(name: str, commands: tuple[Command, ...] = (SPEED,)) -> CommandedGait:
@@ -33,4 +34,4 @@ def family_for(name: str, commands: tuple[Command, ...] = (SPEED,)) -> Commanded
 def commanded_design(name: str, laws: dict, commands: tuple[Command, ...] = (SPEED,)) -> Design:
     """The design of a family of untrained gaits."""
     gait = family_for(name, commands)
-    return Design.of(load_robot(name), gait, laws, momentum_range(gait), ORIGIN)
+    return Design.of(ControlledGait(load_robot(name), gait, momentum_range(gait)), laws, ORIGIN)

@@ -139,8 +139,8 @@ class FmuPlant:
 
     def __init__(self, design: Design, start: np.ndarray):
         """Put the robot on leg 0 at a state x = (q, dq) (rad, rad/s). [2n]."""
-        self.plant = build(design.robot)
-        self.layout = design.robot.layout
+        self.plant = build(design.controller.robot)
+        self.layout = design.controller.robot.layout
         self.model, self.data = self.plant.model, mujoco.MjData(self.plant.model)
         radius = self.model.geom(self.layout.feet[0]).size[0]
         q, dq = np.split(start, 2)

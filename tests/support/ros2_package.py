@@ -27,7 +27,7 @@ def _files(design: Design) -> dict[str, str]:
 
 def package_of(folder: Path, made: Design, seed: int) -> tuple[Design, Path]:
     """Write a package for hardware that differs from the robot file in everything."""
-    design = replace(made, deployment=drawn(made.robot, seed))
+    design = replace(made, deployment=drawn(made.controller.robot, seed))
     for name, text in _files(design).items():
         (folder / name).write_text(text)
     return design, folder

@@ -27,7 +27,7 @@ def trainer_of(margins) -> Any:
     nan = SimpleNamespace(total=np.nan, terms=np.full(len(margins), np.nan))
     return SimpleNamespace(
         spec=SimpleNamespace(conditions=conditions, trained_for=conditions),
-        robot=SimpleNamespace(torque_limit=np.array([2.0, 2.0, 1.5])),
+        model=SimpleNamespace(torque_limit=np.array([2.0, 2.0, 1.5])),
         gait=lambda parameters: parameters,
         report=lambda gait, seed: FreshMargins(1.0, {name: margins[name] for name in margins}),
         step=lambda state: (SimpleNamespace(step=958), nan),

@@ -1,5 +1,7 @@
 """Training as an explicit state: steps, resuming, keeping the best."""
 
+from functools import partial
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -144,7 +146,7 @@ def test_wider_networks_take_smaller_steps(spec, hidden, factor):
 
 def test_the_start_from_a_posture(amber, gait):
     """The network ends near the path by inverse kinematics, all over the tube."""
-    fitted = start_from_posture(amber, gait, 400, jax.random.key(0))
+    fitted = start_from_posture(partial(posture_path, amber), gait, 400, jax.random.key(0))
     phases = np.linspace(0.05, 0.95, 7)
     start, guard = (float(end) for end in gait.span)
     targets = posture_path(amber, start + phases * (guard - start))

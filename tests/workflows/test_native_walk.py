@@ -17,7 +17,8 @@ from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import AbstractLaw, Controller, Pd, ScheduledPd
-from neuralgaits.control.law_by_name import law_for, law_named
+from neuralgaits.control.controlled_gait import ControlledGait, law_for
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import from_json
@@ -325,7 +326,7 @@ def test_a_library_is_made_once_and_a_damaged_one_again(run, cache):
 
 def test_a_policy_is_part_of_what_is_compiled(run, cache):
     engine_of_run(run, "native")
-    engine_of(run.robot, other_gait(run), momentum_range(run.gait), "native")
+    engine_of(ControlledGait(run.robot, other_gait(run), momentum_range(run.gait)), "native")
     assert len(list(cache.iterdir())) == 2
 
 
@@ -337,7 +338,7 @@ def test_gaits_that_are_not_kept_are_two_all_the_same(run, quickly_made, tmp_pat
     torques = []
     for gait in (run.gait, other_gait(run)):
         z2_range = momentum_range(gait)
-        library = engine_of(run.robot, gait, z2_range, "native").library
+        library = engine_of(ControlledGait(run.robot, gait, z2_range), "native").library
         one, two = (
             walk(
                 run.robot,
@@ -374,13 +375,8 @@ def other_gait(run):
 def test_a_live_walk_is_that_of_the_reference(run, library):
     """Pushed, tilted, loaded and put elsewhere while it walks, as a live page does it."""
     start = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=2)
-    z2_range = momentum_range(run.gait)
-    one, two = (
-        LiveWalk(
-            run.robot, run.gait.policy, law_named("pd"), start[0], z2_range=z2_range, library=given
-        )
-        for given in (None, library)
-    )
+    controller = ControlledGait(run.robot, run.gait, momentum_range(run.gait)).under("pd")
+    one, two = (LiveWalk(controller, start[0], library=given) for given in (None, library))
     lives = one, two
     happenings = {
         100: lambda live: live.push(np.array([4.0, 1.0])),
@@ -417,7 +413,9 @@ def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law
     mujoco.mj_saveModel(plant.model, str(tmp_path / "model.mjb"))
     (tmp_path / "scene").write_bytes(bytes(scene))
     (tmp_path / "starts").write_bytes(plant_states(plant, starts).tobytes())
-    for name, text in sources(_design(run.robot, run.gait, limits["z2_range"])).items():
+    for name, text in sources(
+        _design(ControlledGait(run.robot, run.gait, limits["z2_range"]))
+    ).items():
         (tmp_path / name).write_text(text)
     folder, loaded = Path(mujoco.__file__).parent, native_library.mujoco_library()
     flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-Wall", "-Wextra"]

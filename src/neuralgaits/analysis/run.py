@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+import equinox as eqx
 import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
@@ -12,13 +13,13 @@ from jaxtyping import PRNGKeyArray
 from neuralgaits import _notebook
 from neuralgaits._inputs import same_folder
 from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._types import Array, Float
 from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
 from neuralgaits.gait.believed_robot import robot_of_step
 from neuralgaits.gait.commands import Command, Pair, values
-from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.records.trained import TrainingSummary, trained_of
@@ -157,14 +158,16 @@ class Run:
 LARGEST = 1e30
 """Limit on a policy's weights: beyond it nothing that is computed from them is finite."""
 # Compiled once, not once a call.
-_policy_at, _gait_at = quick_filter_jit(CommandedPolicy.at), quick_filter_jit(CommandedGait.at)
+_gait_at = quick_filter_jit(CommandedGait.at)
+_policy_at = quick_filter_jit(
+    lambda steps, pair: steps.family.at(steps.robot, pair, steps.reset_residual)
+)
 
 
-@dataclass(frozen=True)
-class PolicyOfSteps:
-    """Policies of a family by their commands, for a robot."""
+class PolicyOfSteps(eqx.Module):
+    """Policies by the commands of their steps, for a robot: those of a family, or one for all."""
 
-    family: CommandedPolicy
+    family: AbstractPolicy
     robot: PlanarBiped
     reset_residual: ResetCorrection
 
@@ -178,8 +181,11 @@ class PolicyOfSteps:
         Raises: InputError on missing or other names, and values outside their range.
         """
         pair = Pair(*(values(self.family.commands, command) for command in (from_, to)))
-        policy = _policy_at(self.family, self.robot, pair, self.reset_residual)
-        return jax.tree.map(np.asarray, policy)
+        return jax.tree.map(np.asarray, _policy_at(self, pair))
+
+    def parameters_of_step(self, pair: Pair) -> Float[Array, " s"]:
+        """Return the parameters that a controller has for a step with these commands."""
+        return self.family.parameters_of_step(self.robot, pair, self.reset_residual)
 
 
 def steady_gait(

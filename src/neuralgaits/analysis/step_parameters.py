@@ -6,11 +6,8 @@ import numpy as np
 from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.analysis.run import Run
-from neuralgaits.gait import AbstractPolicy
+from neuralgaits.analysis.run import PolicyOfSteps, Run
 from neuralgaits.gait.commands import Pair
-from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.robots import PlanarBiped
 
 
 def step_parameters(run: Run, commands: Float[np.ndarray, "N 2 p"]) -> Float[np.ndarray, "N s"]:
@@ -22,20 +19,16 @@ def step_parameters(run: Run, commands: Float[np.ndarray, "N 2 p"]) -> Float[np.
     """
     pairs, which = np.unique(commands.reshape(len(commands), -1), axis=0, return_inverse=True)
     sides = pairs.reshape(len(pairs), 2, -1)
-    policy = run.trained.policy
-    robot = run.robot
-    residual = run.residuals.reset
+    policies = PolicyOfSteps(run.trained.policy, run.robot, run.residuals.reset)
 
     def some(before: np.ndarray, after: np.ndarray) -> tuple[Array]:
-        return (parameters_of_pairs(policy, robot, residual, Pair(before, after)),)
+        return (_parameters_of_pairs(policies, Pair(before, after)),)
 
     (parameters,) = in_blocks(some, 64, sides[:, 0], sides[:, 1])
     return np.asarray(parameters)[which.reshape(-1)]
 
 
 @quick_filter_jit
-def parameters_of_pairs(
-    policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
-) -> Float[Array, "N s"]:
+def _parameters_of_pairs(policies: PolicyOfSteps, pairs: Pair) -> Float[Array, "N s"]:
     """Return the parameters of steps with these commands; compiled for each number of steps."""
-    return jax.vmap(lambda pair: policy.parameters_of_step(robot, pair, residual))(pairs)
+    return jax.vmap(policies.parameters_of_step)(pairs)

@@ -11,10 +11,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
-from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import CommandLimits, Commands, Pair
-from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.robots import PlanarBiped
 
 
 class CommandState(NamedTuple):
@@ -26,18 +23,6 @@ class CommandState(NamedTuple):
     """Commands of the step under way."""
     step_parameters: Float[Array, " s"]
     """Parameters of that step, see `AbstractPolicy.parameters_of_step`."""
-
-
-def steady(
-    robot: PlanarBiped,
-    policy: AbstractPolicy,
-    command: Float[Array, " p"],
-    reset_residual: ResetCorrection = None,
-) -> CommandState:
-    """A command that has been the same for long."""
-    one = jnp.asarray(command, dtype=float)
-    pair = Pair(one, one)
-    return CommandState(one, pair, policy.parameters_of_step(robot, pair, reset_residual))
 
 
 def tell(commands: Commands, state: CommandState, requested: Float[Array, " p"]) -> CommandState:

@@ -34,7 +34,7 @@ from neuralgaits.control.touchdown import (
 )
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.believed_robot import believed_robot
-from neuralgaits.gait.commands import CommandLimits
+from neuralgaits.gait.commands import CommandLimits, Pair
 from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.posture import momentum_unit
 from neuralgaits.gait.reset_residual import ResetCorrection
@@ -114,14 +114,17 @@ class Controller(eqx.Module):
         """Return the model of the step under way: leaning as it was told, if that is a command."""
         return believed_robot(self.robot, self.policy.commands, now.pair.after)
 
+    def parameters_of_step(self, pair: Pair) -> Float[Array, " s"]:
+        """Return the parameters of a step with these commands."""
+        return self.policy.parameters_of_step(self.robot, pair, self.reset_residual)
+
     def latch(self, before: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
         """Take over what was requested, if the tick is a touchdown. Returns: `CommandState`."""
         commands = self.policy.commands
         if not commands:
             return before
         pair = command_state.next_pair(commands, before)
-        step = self.policy.parameters_of_step(self.robot, pair, self.reset_residual)
-        after = CommandState(before.requested, pair, step)
+        after = CommandState(before.requested, pair, self.parameters_of_step(pair))
         return jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, before)
 
 
@@ -132,7 +135,8 @@ def _steady_parameters(
     command: Float[Array, " p"],
     reset_residual: ResetCorrection,
 ) -> Float[Array, " s"]:
-    return command_state.steady(robot, policy, command, reset_residual).step_parameters
+    one = jnp.asarray(command, dtype=float)
+    return policy.parameters_of_step(robot, Pair(one, one), reset_residual)
 
 
 class ControllerState(NamedTuple):
@@ -196,9 +200,10 @@ def start(
         command: constant command before the start; the middle of the ranges if None.
     """
     n, policy = controller.robot.n, controller.policy
-    if command is None:
-        command = CommandLimits.of(policy.commands).middle
-    first = command_state.steady(controller.robot, policy, command, controller.reset_residual)
+    limits = CommandLimits.of(policy.commands)
+    one = jnp.asarray(limits.middle if command is None else command, dtype=float)
+    steady = Pair(one, one)
+    first = CommandState(one, steady, controller.parameters_of_step(steady))
     at_rest = MeasuredState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
     at_rest = _with_ankle(controller, first, at_rest)
     shapes = jax.eval_shape(_desired, controller, first, at_rest)
@@ -219,9 +224,7 @@ def step(
     controller: Controller, state: ControllerState, measurement: Measurement
 ) -> tuple[ControllerState, TickResult]:
     """Compute one control tick. Returns: the next state, and the `TickResult`."""
-    robot = controller.robot
-    law = controller.law
-    joints = controller.joints
+    robot, law, joints = controller.robot, controller.law, controller.joints
     q_before, _ = coordinates(robot, measurement, state.stance.leg)
     force, period = measurement.normal_force, controller.period_s
     standing, touchdown = advance_stance(
@@ -248,8 +251,9 @@ def step(
         requested_torque = requested_torque + joints.friction_torque(held.dy)
     demand = Demand(reading, held, requested_torque, controller.torque_limit)
     torque, saturated, relaxed = law.apply_limits(model, demand)
+    motors = stance_ankle.motors(robot.layout, robot.feet, robot.damping[0], reading, torque)
     result = TickResult(
-        torque=leg_joints(robot.layout, stance_ankle.motors(robot, reading, torque), standing.leg),
+        torque=leg_joints(robot.layout, motors, standing.leg),
         actuated=torque,
         q=q,
         dq=dq,

@@ -18,6 +18,7 @@ from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Planar
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.measurement import (
     Measurement,
+    SensedRobot,
     coordinates,
     pitch_rate,
     stance_foot_velocity,
@@ -26,8 +27,6 @@ from neuralgaits.control.measurement import (
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.touchdown import StanceState
 from neuralgaits.gait.zero_coordinates import momentum_of
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import angular_momentum, hip_velocity
 
 
 class EstimatorState(NamedTuple):
@@ -41,7 +40,7 @@ class EstimatorState(NamedTuple):
     """Whether there has been a reading."""
 
 
-def start(robot: PlanarBiped) -> EstimatorState:
+def start(robot: SensedRobot) -> EstimatorState:
     """Return the state before the first reading."""
     zero, joints = jnp.zeros(()), jnp.zeros((2, robot.n // 2))
     at_rest = Measurement(
@@ -58,7 +57,7 @@ def start(robot: PlanarBiped) -> EstimatorState:
 
 def estimate(
     estimator: Estimator,
-    robot: PlanarBiped,
+    robot: SensedRobot,
     state: EstimatorState,
     reading: Measurement,
     standing: StanceState,
@@ -110,7 +109,7 @@ def estimate(
 
 
 def pinned(
-    robot: PlanarBiped, q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar
+    robot: SensedRobot, q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar
 ) -> tuple[Coordinates, Planar]:
     """Compute the rates of a robot from its momentum while its stance foot is at rest.
 
@@ -125,7 +124,7 @@ def pinned(
     """
     axes = jnp.eye(robot.n)
     others = jnp.concatenate([jnp.zeros(1), actuated])
-    inertia = angular_momentum(robot, q, axes[0])
-    first = (z2 - angular_momentum(robot, q, others)) / inertia + extra
+    inertia = robot.momentum(q, axes[0])[0]
+    first = (z2 - robot.momentum(q, others)[0]) / inertia + extra
     dq = others + first * axes[0]
-    return dq, hip_velocity(robot, q, dq)
+    return dq, robot.hip_velocity(q, dq)

@@ -11,12 +11,8 @@ import numpy as np
 
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits._printable import shown
-from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law import AbstractLaw
 from neuralgaits.errors import InputError
-from neuralgaits.gait.joint_inertia import JointResponse
-from neuralgaits.gait.policies.commanded_gait import AnyGait
-from neuralgaits.robots import PlanarBiped
 
 
 def law_named(controller: str | AbstractLaw) -> AbstractLaw:
@@ -34,26 +30,6 @@ def _load(place: str) -> AbstractLaw:
     module, _, name = place.partition(":")
     entry = getattr(import_module(module), name)
     return entry() if isinstance(entry, type) else entry
-
-
-def law_for(
-    controller: str | AbstractLaw,
-    robot: PlanarBiped,
-    gait: AnyGait,
-    joints: JointModel | None = None,
-) -> AbstractLaw:
-    """Return a control law, by name or as it is, with what it keeps of a gait.
-
-    Args:
-        controller: law, by name or as an object.
-        robot: the model of the gait.
-        gait: policy and region, or a family of them.
-        joints: rotors and friction that torques are for; None for those of `robot`.
-
-    Raises: InputError for another name, SpecError for a gait that the law cannot have.
-    """
-    model = robot if joints is None else robot.with_joints(joints.armature, joints.damping)
-    return law_named(controller).for_gait(JointResponse(model), gait)
 
 
 def at_bandwidth(controller: str | AbstractLaw, bandwidth: float | None) -> AbstractLaw:

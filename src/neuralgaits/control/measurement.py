@@ -1,13 +1,34 @@
 """Measurements of the controller, and the coordinates of the current stance leg."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Coordinates, Float, Int, Planar, Scalar
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.constants import MjcfLayout
-from neuralgaits.robots.dynamics import hip_velocity
+from neuralgaits.gait.zero_coordinates import Mechanism
+from neuralgaits.robots.layout import MjcfLayout
+from neuralgaits.robots.robot_file import RobotFile
+
+
+@runtime_checkable
+class SensedRobot(Mechanism, RobotFile, Protocol):
+    """A walking robot whose state follows from joint angles, the pitch of its root and a foot."""
+
+    def pitch_row(self, stance: Int[Array, ""] | int) -> Float[Array, " n"]:
+        """Return the row with pitch = row . q, standing on leg `stance`. [n]."""
+        ...
+
+    def hip_velocity(self, q: Coordinates, dq: Coordinates) -> Planar:
+        """Velocity of the hip, (x, z), with the stance foot at rest [m/s]. [2]."""
+        ...
+
+    def swing_foot(self, q: Coordinates) -> Planar:
+        """Swing foot from the stance foot, (x, z) [m]. [2]."""
+        ...
+
+    def centre_of_mass(self, q: Coordinates) -> Planar:
+        """Centre of mass from the stance foot, (x, z) [m]. [2]."""
+        ...
 
 
 class Measurement(NamedTuple):
@@ -97,13 +118,13 @@ def _with_shared_hip(actuated: Float[Array, " m"], k: int) -> Float[Array, " k"]
 
 
 def coordinates(
-    robot: PlanarBiped, measurement: Measurement, stance: Int[Array, ""]
+    robot: SensedRobot, measurement: Measurement, stance: Int[Array, ""]
 ) -> tuple[Coordinates, Coordinates]:
     """Coordinates and rates of the robot standing on leg `stance`.
 
     Returns: q, dq: [n] (rad), [n] (rad/s).
     """
-    row = pitch_row(robot, stance)
+    row = robot.pitch_row(stance)
     actuated = stance_joints(robot.layout, measurement.angles, stance)
     rates = stance_joints(robot.layout, measurement.rates, stance)
     first = measurement.pitch - row[1:] @ actuated
@@ -114,26 +135,16 @@ def coordinates(
     )
 
 
-def pitch_rate(robot: PlanarBiped, dq: Coordinates, stance: Int[Array, ""]) -> Scalar:
+def pitch_rate(robot: SensedRobot, dq: Coordinates, stance: Int[Array, ""]) -> Scalar:
     """Rate of the root link of a robot standing on leg `stance`. Returns: scalar (rad/s)."""
-    return pitch_row(robot, stance) @ dq
-
-
-def pitch_row(robot: PlanarBiped, stance: Int[Array, ""] | int) -> Float[Array, " n"]:
-    """Return the row with pitch = row . q. [n]."""
-    if robot.torso is not None:
-        return jnp.asarray(robot.link_angles[robot.torso])
-    # The root is the top link of leg 0: leg 1 in stance counts the same links from the other end.
-    n = robot.n
-    root = n // 2 - 1
-    return jnp.where(stance == 0, robot.link_angles[root], robot.link_angles[n - 1 - root])
+    return robot.pitch_row(stance) @ dq
 
 
 def stance_foot_velocity(
-    robot: PlanarBiped, q: Coordinates, dq: Coordinates, measurement: Measurement
+    robot: SensedRobot, q: Coordinates, dq: Coordinates, measurement: Measurement
 ) -> Planar:
     """Velocity of the stance foot, zero where it neither slips nor settles.
 
     Returns: [2], (x, z) (m/s).
     """
-    return measurement.hip_velocity - hip_velocity(robot, q, dq)
+    return measurement.hip_velocity - robot.hip_velocity(q, dq)

@@ -18,7 +18,7 @@ from neuralgaits.control.controller import Controller, TickResult
 from neuralgaits.control.measurement import Measurement, by_leg
 from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.gait.joint_inertia import JointResponse
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 
 
 class Fault(IntEnum):
@@ -70,9 +70,9 @@ class SafeguardConfig:
     gap_s: float = 0.05
 
     @classmethod
-    def for_robot(cls, robot: PlanarBiped) -> "SafeguardConfig":
+    def for_joints(cls, joints: JointResponse) -> "SafeguardConfig":
         """Defaults that hold with the lowest gains that `Pd` has for a joint of the robot."""
-        inertia = float(np.min(JointResponse(robot).inertia))
+        inertia = float(np.min(joints.inertia))
         return cls(hold_stiffness=BANDWIDTH**2 * inertia, hold_damping=2.0 * BANDWIDTH * inertia)
 
 
@@ -95,9 +95,9 @@ class SafeguardState(NamedTuple):
     """Fault that is latched, a `Fault`."""
 
 
-def start(robot: PlanarBiped) -> SafeguardState:
+def start(robot: RobotFile) -> SafeguardState:
     """Return the state before the first reading."""
-    zero, joints = jnp.zeros(()), jnp.zeros((2, robot.n // 2))
+    zero, joints = jnp.zeros(()), jnp.zeros((2, robot.layout.joints_of_leg))
     return SafeguardState(
         running=jnp.zeros((), bool),
         last_time=zero,
@@ -110,7 +110,7 @@ def start(robot: PlanarBiped) -> SafeguardState:
 
 
 @eqx.filter_jit
-def joint_ranges(robot: PlanarBiped) -> tuple[Float[Array, "2 k"], Float[Array, "2 k"]]:
+def joint_ranges(robot: RobotFile) -> tuple[Float[Array, "2 k"], Float[Array, "2 k"]]:
     """Return the lower and upper joint angles by leg (rad)."""
     low = by_leg(robot.layout, jnp.asarray(robot.joint_lower))
     high = by_leg(robot.layout, jnp.asarray(robot.joint_upper))
@@ -118,7 +118,7 @@ def joint_ranges(robot: PlanarBiped) -> tuple[Float[Array, "2 k"], Float[Array, 
     return jnp.minimum(low, high), jnp.maximum(low, high)
 
 
-def torque_limits(robot: PlanarBiped) -> Float[Array, "2 k"]:
+def torque_limits(robot: RobotFile) -> Float[Array, "2 k"]:
     """Return the torque limits of the joints by leg (N m)."""
     return jnp.abs(by_leg(robot.layout, jnp.asarray(robot.torque_limit)))
 

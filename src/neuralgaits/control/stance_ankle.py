@@ -8,7 +8,8 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.control.law import MeasuredState
 from neuralgaits.control.measurement import of_all_motors
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.feet import FlatFeet
+from neuralgaits.robots.layout import MjcfLayout
 
 
 def read(reading: MeasuredState, torque: Callable[[ZeroState], Scalar | None]) -> MeasuredState:
@@ -28,10 +29,24 @@ def read(reading: MeasuredState, torque: Callable[[ZeroState], Scalar | None]) -
     return reading._replace(dz=dz, ankle=now, ankle_rate=rate)
 
 
-def motors(robot: PlanarBiped, reading: MeasuredState, torque: Actuated) -> Float[Array, " motors"]:
-    """Return the torques of all motors: that of a stance ankle, and those of the joints (N m)."""
-    if reading.ankle is None:
+def motors(
+    layout: MjcfLayout,
+    feet: FlatFeet | None,
+    damping: Scalar,
+    reading: MeasuredState,
+    torque: Actuated,
+) -> Float[Array, " motors"]:
+    """Return the torques of all motors: that of a stance ankle, and those of the joints (N m).
+
+    Args:
+        layout: layout of the robot file.
+        feet: flat feet; None for point feet.
+        damping: viscous friction of the stance ankle [N m s/rad].
+        reading: measured state, with the ankle's torque.
+        torque: torques of the actuated joints [N m].
+    """
+    if feet is None or reading.ankle is None:
         return torque
-    ankle = robot.damping[0] * reading.dq[0] - reading.ankle
-    limit = robot.flat_feet.torque_limit
-    return of_all_motors(robot.layout, torque, jnp.clip(ankle, -limit, limit))
+    limit = feet.torque_limit
+    ankle = damping * reading.dq[0] - reading.ankle
+    return of_all_motors(layout, torque, jnp.clip(ankle, -limit, limit))

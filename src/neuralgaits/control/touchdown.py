@@ -1,13 +1,13 @@
 """Detection of touchdowns: the stance leg changes when the swing foot loads up."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Bool, Coordinates, Float, Int, Scalar
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.control.measurement import SensedRobot
+from neuralgaits.robots.robot_file import RobotFile
 
 
 @dataclass(frozen=True)
@@ -47,11 +47,10 @@ def start_stance(leg: Int[Array, ""] | int = 0) -> StanceState:
 
 def touches_down(
     config: TouchdownThresholds,
-    robot: PlanarBiped,
+    robot: RobotFile,
     force: Scalar | float,
     ahead: Scalar | float,
     unlocked: Bool[Array, ""] | bool,
-    xp: Any = jnp,
 ) -> Bool[Array, ""]:
     """Return whether a contact of the swing foot is a touchdown.
 
@@ -61,15 +60,14 @@ def touches_down(
         force: normal force on the swing foot (N).
         ahead: distance that it is ahead of the stance foot (m).
         unlocked: whether the time in which contacts are ignored is over.
-        xp: `numpy` for numbers outside JAX.
     """
     loaded = force > config.force_share * robot.mass * robot.gravity
-    return loaded & (ahead > config.advance_share * xp.sum(robot.hip)) & unlocked
+    return loaded & (ahead > config.advance_share * robot.layout.leg_length) & unlocked
 
 
 def advance_stance(
     config: TouchdownThresholds,
-    robot: PlanarBiped,
+    robot: SensedRobot,
     state: StanceState,
     q: Coordinates,
     normal_force: Float[Array, "2"],
@@ -92,7 +90,7 @@ def advance_stance(
         config,
         robot,
         normal_force[1 - state.leg],
-        swing_foot(robot, q)[0],
+        robot.swing_foot(q)[0],
         since >= config.lockout_s,
     )
     leg = jnp.where(touchdown, 1 - state.leg, state.leg)

@@ -12,7 +12,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.deployment.deployment_file import DeploymentFile
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 
 ByLeg = Float[np.ndarray, "2 k"]
 ByMotor = Float[np.ndarray, " motors"]

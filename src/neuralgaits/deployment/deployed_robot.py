@@ -7,7 +7,7 @@ import numpy as np
 from neuralgaits._types import Array, Float
 from neuralgaits.deployment.deployment_file import FileHash
 from neuralgaits.deployment.hanging_leg import HangingLeg
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.derive import LegData
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.robots.mjcf.loader import links_from_text
 
 

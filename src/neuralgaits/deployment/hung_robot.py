@@ -11,7 +11,7 @@ import numpy as np
 from neuralgaits.deployment.board_map import BoardMap, JointReadings
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.deployment.hung_log import HungLog
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 
 
 @dataclass(frozen=True)

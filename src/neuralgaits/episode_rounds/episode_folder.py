@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from neuralgaits.analysis.run import Run
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError, RunError, reason
 from neuralgaits.records.episode_records import (
     CONFIG_FILE,
@@ -22,8 +23,8 @@ from neuralgaits.records.episode_records import (
     FormatVersion,
 )
 from neuralgaits.records.record import Record
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
+from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.runs import from_json, write_text
 from neuralgaits.runs.claim import claimed
 from neuralgaits.runs.file_content import file_content
@@ -51,8 +52,8 @@ class EpisodeFolder:
 
     path: Path
     config: EpisodesConfig
-    robot: PlanarBiped
-    plant: PlanarBiped | None
+    robot: RobotFile
+    plant: SensedRobot | None
 
     @classmethod
     def create(
@@ -130,7 +131,7 @@ class EpisodeFolder:
         rounds = settings["rounds"]
         for name, value in settings.items():
             own = getattr(self.config, name)
-            if isinstance(value, PlanarBiped):
+            if isinstance(value, RobotFile):
                 recorded = {"robot": self.robot, "plant": self.plant}[name]
                 same, value = recorded and recorded.layout.xml == value.layout.xml, value.name
             elif name == "rounds":
@@ -166,7 +167,7 @@ def write(path: Path, value: Any) -> None:
     write_text(path, to_json(value))
 
 
-def load_robot_of(path: Path, name: str) -> PlanarBiped:
+def load_robot_of(path: Path, name: str) -> SensedRobot:
     """Load a robot of the episodes.
 
     Raises: RunError or RobotError if its file is missing or damaged.

@@ -17,14 +17,14 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control.controlled_gait import law_for
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Log
 from neuralgaits.logs.satisfaction import satisfaction
 from neuralgaits.records.episode_records import Shares, WalkedRound
 from neuralgaits.records.simulated import WalkFigures
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import WalkEngine, engine_of_run
@@ -58,7 +58,7 @@ class Field:
         controller: control law, or its name.
     """
 
-    plant: PlanarBiped
+    plant: SensedRobot
     disturbance: PlantChanges
     controller: str | AbstractLaw
 
@@ -99,7 +99,7 @@ def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Pa
         longest_s=longest,
     )
     logs += more
-    files = _write(logs, folder, run.robot)
+    files = _write(logs, folder, run)
     up = [not fell for fell in sped.fell]
     stable = longest_run(shares, up)
     stayed_up = [stayed for share, stayed in zip(shares, up, strict=True) if share in SPEEDS]
@@ -188,7 +188,8 @@ def logged_round(run: Run, files: Sequence[Path], columns: str | Path | None = N
 
 
 def _barrier_shares(run: Run, walks: Sequence[Log]) -> Shares:
-    return Shares(**satisfaction(walks, run.robot, run.gait, run.spec)._asdict())
+    zd = ZeroDynamics(run.robot, run.gait.policy)
+    return Shares(**satisfaction(walks, zd, run.gait, run.spec)._asdict())
 
 
 def _at_speeds(run: Run, momentum: float, shares: Sequence[float]) -> Float[np.ndarray, "k two_n"]:
@@ -226,7 +227,7 @@ def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, flo
     return (best[0], best[-1]) if best else None
 
 
-def _write(walks: Sequence[Log], folder: Path, robot: PlanarBiped) -> list[Path]:
+def _write(walks: Sequence[Log], folder: Path, run: Run) -> list[Path]:
     """Write the logs that can be learned from, and return their paths.
 
     The other logs hold no complete stride, or a fall in which the foot moved so far that z2 no
@@ -237,7 +238,7 @@ def _write(walks: Sequence[Log], folder: Path, robot: PlanarBiped) -> list[Path]
         file = folder / f"walk-{number:02d}.csv"
         logs.write(file, log)
         try:
-            logs.read(file, robot)
+            logs.read(file, run.robot)
         except InputError:
             file.unlink()
         else:

@@ -21,7 +21,7 @@ def board_files(design: Design) -> dict[str, str]:
     deployment = design.deployment
     if deployment is None:
         return {}
-    board = BoardMap.of(deployment, design.robot.layout)
+    board = BoardMap.of(deployment, design.controller.robot.layout)
     about = [
         "The numbers of a deployment file; the map that they make: board_map.h.",
         f"deployment file sha256 {deployment.sha256}",

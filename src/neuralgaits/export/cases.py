@@ -17,7 +17,6 @@ from neuralgaits.control.measurement import Measurement, coordinates
 from neuralgaits.control.safeguard import Fault, joint_ranges
 from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import drawn_commands, lifted, single
-from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 
 NEVER = 1e30
@@ -80,7 +79,7 @@ class Cases:
 
     def measurement(self, design: Design) -> Measurement:
         """Return the readings in the signs and zeros of the theory, as a simulation has them."""
-        layout = design.robot.layout
+        layout = design.controller.robot.layout
         turn = layout.pitch_sign * self.pitch
         dpitch = layout.pitch_sign * self.dpitch
         with np.errstate(invalid="ignore"):  # NaN and infinities are among the cases.
@@ -111,7 +110,7 @@ def of_region(design: Design, count: int, seed: int) -> Cases:
 
 def of_guard(design: Design, seed: int) -> Cases:
     """Draw switches of the stance leg: every combination of conditions that it depends on."""
-    weight = float(design.robot.mass * design.robot.gravity)
+    weight = float(design.controller.robot.mass * design.controller.robot.gravity)
     stance = design.controller.stance
     combinations = np.array(
         np.meshgrid(
@@ -161,9 +160,9 @@ def of_faults(design: Design, seed: int) -> Cases:
 
 def _spoils(design: Design) -> Iterator[tuple[str, int, list[float]]]:
     """Return columns of a reading, the place in them, and values to put there."""
-    safe, layout = design.safeguard, design.robot.layout
-    weight = float(design.robot.mass * design.robot.gravity)
-    low, high = (np.asarray(limit) for limit in joint_ranges(design.robot))
+    safe, layout = design.safeguard, design.controller.robot.layout
+    weight = float(design.controller.robot.mass * design.controller.robot.gravity)
+    low, high = (np.asarray(limit) for limit in joint_ranges(design.controller.robot))
     bad = [np.nan, np.inf, -np.inf, 1e6, -1e6, 1e-40]
 
     def around(bound: float) -> list[float]:
@@ -189,7 +188,7 @@ def _cases_at(
     leg: Int[np.ndarray, " N"] | None = None,
 ) -> Cases:
     """Return cases at chart points, with all other numbers drawn."""
-    robot, count = design.robot, len(chart)
+    robot, count = design.controller.robot, len(chart)
     m = robot.n - 1
     k, weight = design.leg_joints, float(robot.mass * robot.gravity)
     limit = np.asarray(design.controller.torque_limit)
@@ -246,13 +245,13 @@ def _cases_at(
 
 def _clear(design: Design, cases: Cases) -> np.ndarray:
     """Return the cases in which rounding decides nothing in the stance machine. [N]."""
-    robot, stance = design.robot, design.controller.stance
+    robot, stance = design.controller.robot, design.controller.stance
 
     @quick_jit
     @jax.vmap
     def ahead(measurement, leg):
         q, _ = coordinates(robot, measurement, leg)
-        return swing_foot(robot, q)[0]
+        return robot.swing_foot(q)[0]
 
     measurement = jax.tree.map(jnp.asarray, cases.measurement(design))
     foot = np.asarray(ahead(measurement, jnp.asarray(cases.leg)))

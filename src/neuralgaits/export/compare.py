@@ -111,7 +111,7 @@ def agree(design: Design, questions: Questions, program: Path, precision: str) -
         questions.points.tofile(points)
         rows = np.frombuffer(build.run(program, "compare", str(cases)))
         answers = np.frombuffer(build.run(program, "policy", str(points)))
-    m = design.robot.n - 1
+    m = design.controller.robot.n - 1
     results = results_of(design, rows.reshape(questions.cases.count, -1))
     _same_decisions(design, questions, results)
     _same_steps(design, questions, results, precision)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.control import Pd, measurement
+from neuralgaits.control import Pd
 from neuralgaits.control.command_belief import speed_by_lean
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
@@ -14,14 +14,14 @@ from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.export.design import Design
-from neuralgaits.export.standing import (
+from neuralgaits.gait.commands import LEAN, SLOPE, CommandLimits, place_of
+from neuralgaits.gait.joint_inertia import JointResponse
+from neuralgaits.gait.standing import (
     StandingPostures,
     first_momentum,
     pendulum_rate,
     standing_postures,
 )
-from neuralgaits.gait.commands import LEAN, SLOPE, CommandLimits, place_of
-from neuralgaits.gait.joint_inertia import JointResponse
 
 
 class Number(NamedTuple):
@@ -42,7 +42,7 @@ class Array(NamedTuple):
 
 def names(design: Design) -> dict[str, str | int]:
     """Return the words and counts of a controller, by name."""
-    robot, origin = design.robot, design.origin
+    robot, origin = design.controller.robot, design.origin
     speed, lean, slope = (place_of(design.commands, name) for name in (ADAPTED, LEAN, SLOPE))
     rows = {
         "commands": len(design.commands),
@@ -65,7 +65,7 @@ def names(design: Design) -> dict[str, str | int]:
         "ankles": int(robot.feet is not None),
         "law_count": len(design.controllers),
         **({} if origin.joints_sha256 is None else {"joints_sha256": origin.joints_sha256}),
-        "has_standing": int(standing_postures(design.robot) is not None),
+        "has_standing": int(standing_postures(design.controller.robot) is not None),
         "stand_knots": len(_postures(design).path),
         **(rows if design.commands else {}),
     }
@@ -73,10 +73,10 @@ def names(design: Design) -> dict[str, str | int]:
 
 def numbers(design: Design) -> list[Number]:
     """Return the numbers that have a unit."""
-    robot = design.robot
+    robot = design.controller.robot
     controller = design.controller
     safe = design.safeguard
-    stance, layout = controller.stance, design.robot.layout
+    stance, layout = controller.stance, design.controller.robot.layout
     weight = float(robot.mass * robot.gravity)
     smallest = SMALLEST_DENOMINATOR * float(robot.mass) * robot.leg_length
     rows = [
@@ -129,12 +129,12 @@ def numbers(design: Design) -> list[Number]:
 
 def arrays(design: Design) -> list[Array]:
     """Return the arrays of real numbers."""
-    robot = design.robot
+    robot = design.controller.robot
     controller = design.controller
-    layout = design.robot.layout
+    layout = design.controller.robot.layout
     low, high = joint_ranges(robot)
     bounds, estimator = controller.bounds, Estimator()
-    pitch_row = np.stack([np.asarray(measurement.pitch_row(robot, leg)) for leg in (0, 1)])
+    pitch_row = np.stack([np.asarray(robot.pitch_row(leg)) for leg in (0, 1)])
     rows = [
         ("hip_gradient", robot.hip_gradient, "z1 = gradient . q [m/rad]"),
         ("pitch_row", pitch_row, "pitch = row . q for each stance leg"),
@@ -181,7 +181,9 @@ def arrays(design: Design) -> list[Array]:
 
 def _postures(design: Design) -> StandingPostures:
     """Return the standing postures, or zeros of a robot that has none."""
-    return standing_postures(design.robot) or StandingPostures.none_of(design.robot.n)
+    return standing_postures(design.controller.robot) or StandingPostures.none_of(
+        design.controller.robot.n
+    )
 
 
 def _leg_gains(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]:

@@ -13,7 +13,7 @@ from neuralgaits.gait.commands import Command
 
 def prose(design: Design) -> list[str]:
     """Describe the controller in lines: joint order, limits, gains, hashes."""
-    robot, origin = design.robot, design.origin
+    robot, origin = design.controller.robot, design.origin
     lines = [
         f"A walking gait of {robot.name}, spec {origin.spec}, by neuralgaits {origin.version}.",
         "Written by a program: change the gait, not this file.",
@@ -123,8 +123,8 @@ def _identified(design: Design) -> list[str]:
 
 
 def _joints(design: Design) -> list[str]:
-    layout = design.robot.layout
-    low, high = joint_ranges(design.robot)
+    layout = design.controller.robot.layout
+    low, high = joint_ranges(design.controller.robot)
     limit = np.abs(design.by_leg(design.controller.torque_limit))
     return [
         f"  [{leg}][{i}] {name}, motor {layout.actuators[leg][i]}: "

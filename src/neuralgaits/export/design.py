@@ -10,18 +10,16 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Float
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control import AbstractLaw, Controller
-from neuralgaits.control.joint_model import JointModel
-from neuralgaits.control.law_by_name import law_for
+from neuralgaits.control.controlled_gait import ControlledGait
 from neuralgaits.control.measurement import by_leg
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.errors import SpecError
 from neuralgaits.export.condition_query import ConditionQuery
 from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.policies.commanded_gait import AnyGait
-from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.records.law_proof import LawProof
-from neuralgaits.robots import PlanarBiped
 
 _by_leg = quick_filter_jit(by_leg)
 
@@ -54,7 +52,6 @@ class Design:
     """All parts of an exported controller.
 
     Attributes:
-        robot: the model the controller believes in.
         gait: policy and region, or a family of them that takes commands.
         controllers: controllers by name of the law; alike but for the law.
         safeguard: thresholds of faults.
@@ -68,7 +65,6 @@ class Design:
         law_proofs: whether level 5 of the proof is about each law; empty if it is not proved.
     """
 
-    robot: PlanarBiped
     gait: AnyGait
     controllers: Mapping[str, Controller]
     safeguard: SafeguardConfig
@@ -83,40 +79,25 @@ class Design:
     @classmethod
     def of(
         cls,
-        robot: PlanarBiped,
-        gait: AnyGait,
+        controlled: ControlledGait,
         laws: Mapping[str, AbstractLaw],
-        z2_range: tuple[float, float],
         origin: Origin,
-        reset_residual: ResetCorrection = None,
-        joints: JointModel | None = None,
     ) -> "Design":
         """Return the design of a gait under some laws.
 
         Args:
-            robot: the model the controller believes in.
-            gait: policy and region.
+            controlled: the gait, and what its controllers share.
             laws: laws by name; one that the gait cannot have is left out.
-            z2_range: momenta of the region (kg m^2/s).
             origin: origin of the design.
-            reset_residual: corrects the impact that the steps of a family begin with.
-            joints: rotors and friction that torques are for, those of the robot if None.
         """
         controllers, left_out = {}, []
         for name, law in laws.items():
             try:
-                controllers[name] = Controller.init(
-                    robot,
-                    gait.policy,
-                    law_for(law, robot, gait, joints),
-                    z2_range=z2_range,
-                    reset_residual=reset_residual,
-                    joints=joints,
-                )
+                controllers[name] = controlled.under(law)
             except SpecError as error:
                 left_out.append(str(error))
-        safeguard = SafeguardConfig.for_robot(robot)
-        return cls(robot, gait, controllers, safeguard, origin, left_out=tuple(left_out))
+        safeguard = SafeguardConfig.for_joints(JointResponse(controlled.robot))
+        return cls(controlled.gait, controllers, safeguard, origin, left_out=tuple(left_out))
 
     @property
     def controller(self) -> Controller:
@@ -137,8 +118,8 @@ class Design:
     @property
     def leg_joints(self) -> int:
         """Joints of a leg, its hip included."""
-        return self.robot.n // 2
+        return self.controller.robot.n // 2
 
     def by_leg(self, actuated: Actuated) -> Float[np.ndarray, "2 k"]:
         """Return values of actuated coordinates by leg, leg 0 in stance."""
-        return np.asarray(_by_leg(self.robot.layout, jnp.asarray(actuated)))
+        return np.asarray(_by_leg(self.controller.robot.layout, jnp.asarray(actuated)))

@@ -7,13 +7,11 @@ import numpy as np
 from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.analysis.step_parameters import parameters_of_pairs
+from neuralgaits.control import Controller
 from neuralgaits.export.design import Design
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.commands import Command, CommandLimits, Pair, coordinates_of
+from neuralgaits.gait.commands import CommandLimits, Pair, coordinates_of
 from neuralgaits.gait.policies.commanded_gait import AnyGait
-from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.robots import PlanarBiped
 
 _BATCH = 2048
 """Number of cases computed together; another number would compile the code again."""
@@ -37,11 +35,15 @@ def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.
 
 
 def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
-    policy, residual = design.gait.policy, design.controller.reset_residual
     count = len(pair.before)
     rows = max(count, _BATCH)
     whole = Pair(*(np.resize(side, (rows, *side.shape[1:])) for side in pair))
-    return np.asarray(parameters_of_pairs(policy, design.robot, residual, whole))[:count]
+    return np.asarray(_parameters_of_steps(design.controller, whole))[:count]
+
+
+@quick_filter_jit
+def _parameters_of_steps(controller: Controller, pairs: Pair) -> Float[Array, "N s"]:
+    return jax.vmap(controller.parameters_of_step)(pairs)
 
 
 def drawn_commands(
@@ -72,37 +74,33 @@ def lifted(
 
     Returns: [N, 2n], [N, m], [N, m], [N, s].
     """
-    robot, residual = design.robot, design.controller.reset_residual
 
     def lift(*cases: np.ndarray) -> tuple[Array, Array, Array, Array]:
-        return _lift(design.gait, design.commands, robot, residual, list(cases))
+        return _lift(design.gait, design.controller, list(cases))
 
     return in_blocks(lift, _BATCH, chart, eta, *map(np.asarray, pair))
 
 
 @quick_filter_jit
 def _lift(
-    gait: AnyGait,
-    commands: tuple[Command, ...],
-    robot: PlanarBiped,
-    residual: ResetCorrection,
-    cases: list[np.ndarray],
+    gait: AnyGait, controller: Controller, cases: list[np.ndarray]
 ) -> tuple[Array, Array, Array, Array]:
     """Lift a fixed count of cases, so that the code is compiled once.
 
     Every case of a family has a policy of its own, so only a few are lifted at a time, to save
     memory.
     """
+    robot, residual = controller.robot, controller.reset_residual
 
     def lift(u, error, before, after):
         pair = Pair(before, after)
-        here = gait.at(robot, coordinates_of(commands, pair), residual, exact=True)
+        here = gait.at(robot, coordinates_of(gait.commands, pair), residual, exact=True)
         low, high = here.tube.fences(u[0])
         start, guard = here.span
         zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
         z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
         y, slope = jax.jvp(here.policy, (z,), (jnp.array([1.0, 0.0]),))
-        numbers = gait.policy.parameters_of_step(robot, pair, residual)
+        numbers = controller.parameters_of_step(pair)
         return ZeroDynamics(robot, here.policy).phi_inv(z, error), y, slope, numbers
 
     return jax.vmap(lift)(*cases)

@@ -64,7 +64,7 @@ class MonitorAnswers(NamedTuple):
 def drawn_cases(design: Design, count: int, seed: int = SEED) -> MonitorCases:
     """Draw states in the sets, outside and next to their fences, of admissible steps."""
     rng = np.random.default_rng(seed)
-    m = design.robot.n - 1
+    m = design.controller.robot.n - 1
     phase = rng.uniform(-0.1, 1.1, count)
     level = rng.uniform(-0.3, 1.3, count)
     close = rng.integers(0, 2, count) + rng.normal(size=count) * 10.0 ** rng.uniform(-15, -1, count)

@@ -22,7 +22,7 @@ def model_files(design: Design) -> dict[str, bytes]:
 
     Raises: SpecError naming the primitive of a policy that has no form in ONNX.
     """
-    part = policy_in_one(design.robot, design.gait.policy, design.controller.reset_residual)
+    part = policy_in_one(design.controller)
     return {FILES[precision]: _model(design, part, precision) for precision in REALS}
 
 
@@ -31,7 +31,7 @@ def metadata(design: Design) -> dict[str, str]:
 
     `units` describes each number and array.
     """
-    origin, layout = design.origin, design.robot.layout
+    origin, layout = design.origin, design.controller.robot.layout
     pairs = [*controller_facts.numbers(design), *controller_facts.arrays(design)]
     words = controller_facts.names(design) | {
         "about": "\n".join(controller_prose.prose(design)),
@@ -40,8 +40,8 @@ def metadata(design: Design) -> dict[str, str]:
         "proof_verdict": origin.proof_verdict or "",
     }
     lists = {
-        "coordinate_names": list(design.robot.joint_names),
-        "actuated_names": list(design.robot.joint_names[1:]),
+        "coordinate_names": list(design.controller.robot.joint_names),
+        "actuated_names": list(design.controller.robot.joint_names[1:]),
         "leg_joint_names": [list(names) for names in layout.leg_joints],
         "actuators": [list(names) for names in layout.actuators],
         "laws": {name: controller_prose.gains(c.law) for name, c in design.controllers.items()},
@@ -54,7 +54,7 @@ def metadata(design: Design) -> dict[str, str]:
 
 
 def _model(design: Design, part: Part, precision: str) -> bytes:
-    actuated = ", ".join(design.robot.joint_names[1:])
+    actuated = ", ".join(design.controller.robot.joint_names[1:])
     about = {
         "z": "hip ahead of the stance foot [m], angular momentum about it [kg m^2/s]",
         "dz": "rates of z [m/s], [N m]",

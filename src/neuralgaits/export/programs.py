@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Float, ZeroState
+from neuralgaits.control import Controller
 from neuralgaits.errors import SpecError
 from neuralgaits.export.robot_programs import (
     Part,
@@ -23,10 +24,8 @@ from neuralgaits.export.robot_programs import (
 )
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Pair
-from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.robots import PlanarBiped
 
 _POLICY_INPUTS = {"z": (2,), "dz": (2,)}
 
@@ -106,13 +105,12 @@ def policy_ankle(policy: AbstractPolicy) -> Part:
     )
 
 
-def policy_in_one(
-    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection
-) -> Part:
+def policy_in_one(controller: Controller) -> Part:
     """Return the Program as one function of z, dz and, for a family, its commands, without memory.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
+    policy, robot, reset_residual = controller.policy, controller.robot, controller.reset_residual
     if not policy.step_size:
         return policy_rate(policy)
 
@@ -125,17 +123,16 @@ def policy_in_one(
     return part._replace(program=_policy(compute, shapes, policy))
 
 
-def policy_step(
-    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection
-) -> Part:
+def policy_step(controller: Controller) -> Part:
     """Return the Program for the numbers that a family computes once a step.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
 
     def compute(before: Float[Array, " p"], after: Float[Array, " p"]) -> dict[str, Array]:
-        return {"step": policy.parameters_of_step(robot, Pair(before, after), reset_residual)}
+        return {"step": controller.parameters_of_step(Pair(before, after))}
 
+    policy = controller.policy
     shape = (len(policy.commands),)
     return Part(
         "ng_policy_step",
@@ -145,25 +142,14 @@ def policy_step(
     )
 
 
-def parts(
-    robot: PlanarBiped,
-    policy: AbstractPolicy,
-    reset_residual: ResetCorrection = None,
-    torque_model: PlanarBiped | None = None,
-) -> list[Part]:
+def parts(controller: Controller) -> list[Part]:
     """Return every Program of a controller.
-
-    Args:
-        robot: the model of the gait.
-        policy: desired outputs, or a family of them.
-        reset_residual: corrects the impact that the steps of a family begin with.
-        torque_model: robot that torques are for; the gait's if None.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
-    lean_told = tells_lean(policy)
-    once = [policy_step(robot, policy, reset_residual)] if policy.step_size else []
-    once += [policy_ankle(policy)] if robot.feet is not None else []
+    policy = controller.policy
+    once = [policy_step(controller)] if policy.step_size else []
+    once += [policy_ankle(policy)] if controller.robot.feet is not None else []
     return [
         policy_rate(policy),
         Part(
@@ -172,11 +158,11 @@ def parts(
             _policy(path(policy), _POLICY_INPUTS | {"ddz": (2,)} | _step(policy), policy),
         ),
         *once,
-        zero_dynamics_state(robot, lean_told),
-        dynamics(torque_model or robot, lean_told),
-        feet(robot),
-        pinned_rates(robot, lean_told),
-        *([lean_of_interval(robot)] if lean_told else []),
+        zero_dynamics_state(controller),
+        dynamics(controller),
+        feet(controller),
+        pinned_rates(controller),
+        *([lean_of_interval(controller)] if tells_lean(policy) else []),
     ]
 
 

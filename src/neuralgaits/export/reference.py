@@ -49,7 +49,7 @@ class Results(NamedTuple):
 
 def results_of(design: Design, rows: np.ndarray) -> Results:
     """Split rows that C wrote into `Results`."""
-    m = design.robot.n - 1
+    m = design.controller.robot.n - 1
     p = len(design.commands)
     joints = 2 * design.leg_joints
     sizes = [p, p, p, design.gait.policy.step_size]
@@ -87,7 +87,7 @@ class Reference:
         rows = {name: np.asarray(column) for name, column in ticks.items()}
         result = Results(**{name: column.astype(np.float64) for name, column in rows.items()})
         torque = result.torque.reshape(len(which), -1)
-        gears = np.reshape(self._design.robot.layout.gears, -1)
+        gears = np.reshape(self._design.controller.robot.layout.gears, -1)
         return result._replace(torque=torque, motors=torque / gears)
 
 

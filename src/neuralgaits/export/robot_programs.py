@@ -9,6 +9,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Coordinates, Planar, Scalar
+from neuralgaits.control import Controller
 from neuralgaits.control.clf_qp import ground_force
 from neuralgaits.control.estimator import pinned
 from neuralgaits.control.lean_sums import with_derivative
@@ -17,13 +18,6 @@ from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import LEAN, place_of
 from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import (
-    centre_of_mass_velocity,
-    hip_position,
-    hip_velocity,
-    swing_foot,
-)
 from neuralgaits.robots.mjcf.leaning import leaning_robot
 
 
@@ -42,22 +36,17 @@ def tells_lean(policy: AbstractPolicy) -> bool:
     return place_of(policy.commands, LEAN) is not None
 
 
-def zero_dynamics_state(robot: PlanarBiped, with_lean: bool) -> Part:
-    """Return the Program of the measured z and its rates.
-
-    Args:
-        robot: the biped.
-        with_lean: whether a lean is believed.
-    """
+def zero_dynamics_state(controller: Controller) -> Part:
+    """Return the Program of the measured z and its rates."""
+    robot = controller.robot
 
     def state(
         q: Coordinates, dq: Coordinates, hip_velocity_: Planar, lean: Scalar | None = None
     ) -> dict[str, Array]:
-        own = _leaning(robot, lean)
-        foot = hip_velocity_ - hip_velocity(own, q, dq)
+        own = leaning_robot(robot, lean)
+        foot = hip_velocity_ - own.hip_velocity(q, dq)
         z, dz = zero_state(own, q, dq, foot)
-        speed = centre_of_mass_velocity(own, q, dq)[0]
-        return {"z": z, "dz": dz, "ddz2": own.mass * own.gravity * speed}
+        return {"z": z, "dz": dz, "ddz2": own.momentum_rate_rate(q, dq)[0]}
 
     n = robot.n
     return Part(
@@ -65,32 +54,36 @@ def zero_dynamics_state(robot: PlanarBiped, with_lean: bool) -> Part:
         "Measured z (m, kg m^2/s), dz (m/s, N m), and the second derivative of z2 [N m/s].",
         trace(
             state,
-            {"q": (n,), "dq": (n,), "hip_velocity_": (2,)} | _belief(with_lean),
+            {"q": (n,), "dq": (n,), "hip_velocity_": (2,)} | _belief(controller),
             parameters=robot,
         ),
     )
 
 
-def dynamics(robot: PlanarBiped, with_lean: bool) -> Part:
+def dynamics(controller: Controller) -> Part:
     """Return the Program of mass matrix and bias of the robot that torques are for."""
+    robot, joints = controller.robot, controller.joints
+    if joints is not None:
+        robot = robot.with_joints(joints.armature, joints.damping)
 
     def matrices(q: Coordinates, dq: Coordinates, lean: Scalar | None = None) -> dict[str, Array]:
-        own = _leaning(robot, lean)
+        own = leaning_robot(robot, lean)
         return {"mass": own.mass_matrix(q), "bias": own.bias(q, dq)}
 
     n = robot.n
     return Part(
         "ng_dynamics",
         "Mass matrix [kg m^2] and bias [N m] of mass ddq + bias = (0, torques).",
-        trace(matrices, {"q": (n,), "dq": (n,)} | _belief(with_lean), parameters=robot),
+        trace(matrices, {"q": (n,), "dq": (n,)} | _belief(controller), parameters=robot),
     )
 
 
-def feet(robot: PlanarBiped) -> Part:
+def feet(controller: Controller) -> Part:
     """Return the Program of the places of swing foot and hip."""
+    robot = controller.robot
 
     def places(q: Coordinates) -> dict[str, Array]:
-        return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
+        return {"foot": robot.swing_foot(q), "hip": robot.hip_position(q)}
 
     return Part(
         "ng_feet",
@@ -99,8 +92,9 @@ def feet(robot: PlanarBiped) -> Part:
     )
 
 
-def lean_of_interval(robot: PlanarBiped) -> Part:
+def lean_of_interval(controller: Controller) -> Part:
     """Return the Program of what an interval adds to `lean_sums`, by powers of time."""
+    robot = controller.robot
 
     def quantities(q: Coordinates, change: Coordinates) -> dict[str, Array]:
         momentum, ahead = with_derivative(robot, q, change)
@@ -114,8 +108,9 @@ def lean_of_interval(robot: PlanarBiped) -> Part:
     )
 
 
-def pinned_rates(robot: PlanarBiped, with_lean: bool) -> Part:
+def pinned_rates(controller: Controller) -> Part:
     """Return the Program of all rates on a foot that stands still."""
+    robot = controller.robot
 
     def standing(
         q: Coordinates,
@@ -124,7 +119,7 @@ def pinned_rates(robot: PlanarBiped, with_lean: bool) -> Part:
         extra: Scalar,
         lean: Scalar | None = None,
     ) -> dict[str, Array]:
-        dq, hip = pinned(_leaning(robot, lean), q, actuated, z2, extra)
+        dq, hip = pinned(leaning_robot(robot, lean), q, actuated, z2, extra)
         return {"dq": dq, "hip": hip}
 
     n = robot.n
@@ -135,17 +130,18 @@ def pinned_rates(robot: PlanarBiped, with_lean: bool) -> Part:
         "the first [rad/s].",
         trace(
             standing,
-            {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()} | _belief(with_lean),
+            {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()} | _belief(controller),
             parameters=robot,
         ),
     )
 
 
-def ground(robot: PlanarBiped, with_lean: bool) -> Part:
+def ground(controller: Controller) -> Part:
     """Return the Program of the floor's force on the stance foot, see `control.clf_qp`."""
+    robot = controller.robot
 
     def force(q: Coordinates, dq: Coordinates, lean: Scalar | None = None) -> dict[str, Array]:
-        still, by_acceleration = ground_force(_leaning(robot, lean), q, dq)
+        still, by_acceleration = ground_force(leaning_robot(robot, lean), q, dq)
         return {"still": still, "by_acceleration": by_acceleration}
 
     n = robot.n
@@ -153,14 +149,10 @@ def ground(robot: PlanarBiped, with_lean: bool) -> Part:
         "ng_ground",
         "Force of the floor on the stance foot, (x, z): without accelerations, and by each "
         "[shares of the weight, of it a rad/s^2].",
-        trace(force, {"q": (n,), "dq": (n,)} | _belief(with_lean), parameters=robot),
+        trace(force, {"q": (n,), "dq": (n,)} | _belief(controller), parameters=robot),
     )
 
 
-def _belief(with_lean: bool) -> dict[str, tuple[int, ...]]:
+def _belief(controller: Controller) -> dict[str, tuple[int, ...]]:
     """Return the input that functions of a robot have whose gait is told its lean [m]."""
-    return {LEAN: ()} if with_lean else {}
-
-
-def _leaning(robot: PlanarBiped, lean: Scalar | None) -> PlanarBiped:
-    return robot if lean is None else leaning_robot(robot, lean)
+    return {LEAN: ()} if tells_lean(controller.policy) else {}

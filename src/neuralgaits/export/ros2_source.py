@@ -64,7 +64,7 @@ def ros2_files(design: Design, controller: dict[str, str]) -> dict[str, str]:
 
 def package_name(design: Design) -> str:
     """Return the name of the package: small letters, digits and single underscores."""
-    robot = re.sub("[^a-z0-9]+", "_", design.robot.name.lower()).strip("_")
+    robot = re.sub("[^a-z0-9]+", "_", design.controller.robot.name.lower()).strip("_")
     return f"neuralgaits_{robot or 'robot'}"
 
 
@@ -78,7 +78,7 @@ def _sources(files: dict[str, str]) -> list[str]:
 def _joints(design: Design) -> list[str]:
     """Return names of joints by motor index; empty for a motor without one."""
     assert design.deployment is not None
-    names = [""] * BoardMap.of(design.deployment, design.robot.layout).motors
+    names = [""] * BoardMap.of(design.deployment, design.controller.robot.layout).motors
     for one in design.deployment.joints:
         names[one.motor] = one.joint
     return names
@@ -87,7 +87,7 @@ def _joints(design: Design) -> list[str]:
 def _contacts(design: Design) -> list[str]:
     """Return state interfaces of contacts by channel; empty for a channel without one."""
     assert design.deployment is not None
-    names = [""] * BoardMap.of(design.deployment, design.robot.layout).channels
+    names = [""] * BoardMap.of(design.deployment, design.controller.robot.layout).channels
     for one in design.deployment.contacts:
         names[one.channel] = f"{one.foot}/contact"
     return names
@@ -96,7 +96,7 @@ def _contacts(design: Design) -> list[str]:
 def _words(design: Design, files: dict[str, str]) -> dict[str, str]:
     origin = design.origin
     about = (
-        f"A walking gait of {design.robot.name}, spec {origin.spec}, policy sha256 "
+        f"A walking gait of {design.controller.robot.name}, spec {origin.spec}, policy sha256 "
         f"{origin.policy_sha256}"
     )
     return {

@@ -40,7 +40,7 @@ def _cases(design: Design, reference: Reference) -> Cases:
     tipped = joined.pitch.copy()
     tipped[-1] = 2.0 * design.safeguard.largest_pitch
     count = joined.count
-    zeros, joints = np.zeros((count, design.robot.n - 1)), np.zeros(joined.joints.shape)
+    zeros, joints = np.zeros((count, design.controller.robot.n - 1)), np.zeros(joined.joints.shape)
     rate = 2.0 * float(np.max(design.controller.torque_limit)) / design.safeguard.torque_swing_s
     return replace(
         joined,

@@ -30,12 +30,9 @@ def gait_files(design: Design, host_parts: Sequence[Part] = ()) -> dict[str, str
     law that is not one of this package.
     """
     tables = Tables("ng")
-    residual, joints = design.controller.reset_residual, design.controller.joints
-    model = None if joints is None else design.robot.with_joints(joints.armature, joints.damping)
-    controller_parts = parts(design.robot, design.gait.policy, residual, model)
     functions = [
         emit(part.program, part.function, part.about, tables)
-        for part in (*controller_parts, *host_parts)
+        for part in (*parts(design.controller), *host_parts)
     ]
     return {"gait.h": _header(design, functions), "gait.c": _code(design, functions, tables)}
 

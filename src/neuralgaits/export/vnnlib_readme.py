@@ -14,7 +14,7 @@ def readme(design: Design, models: Sequence[QueryModel]) -> str:
     queries, origin = design.queries, design.origin
     return "\n".join(
         (
-            f"# Conditions of a walking gait of {design.robot.name}",
+            f"# Conditions of a walking gait of {design.controller.robot.name}",
             "",
             f"Written by neuralgaits {origin.version} from a run with the spec {origin.spec}: one "
             "ONNX model for each condition, one VNN-LIB query for each box of its region.",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypedDict
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Float
+from neuralgaits.robots.robot_file import RobotFile
 
 if TYPE_CHECKING:
     from neuralgaits.gait.policy import NetworkPolicy
@@ -86,9 +87,9 @@ def frame_of(owner: "Posture | NetworkPolicy") -> Frame:
     )
 
 
-def momentum_unit(robot: "PlanarBiped") -> float:
+def momentum_unit(robot: RobotFile) -> float:
     """Natural unit of z2, m l sqrt(g l) (kg m^2/s)."""
-    length = robot.leg_length
+    length = robot.layout.leg_length
     return float(robot.mass) * length * float(np.sqrt(robot.gravity * length))
 
 

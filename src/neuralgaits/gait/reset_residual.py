@@ -7,7 +7,7 @@ unit of z2 before the impact. Positions are only relabelled: nothing to correct.
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -16,10 +16,7 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
 from neuralgaits.gait.activations import tanh
 from neuralgaits.gait.network import scaled_inputs
-from neuralgaits.robots.dynamics import angular_momentum
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.zero_coordinates import Mechanism
 
 
 class ImpactCorrection(NamedTuple):
@@ -95,14 +92,14 @@ NO_RESIDUALS = Residuals()
 
 
 def rates_after(
-    robot: "PlanarBiped", q: Coordinates, dq: Coordinates, correction: ImpactCorrection, z2: Scalar
+    robot: Mechanism, q: Coordinates, dq: Coordinates, correction: ImpactCorrection, z2: Scalar
 ) -> Coordinates:
     """Rates after a corrected impact.
 
     Joint rates and momentum are corrected; the rate without a motor follows from both.
 
     Args:
-        robot: the biped.
+        robot: a mechanism with one joint that no motor drives.
         q: coordinates after the impact [rad]. [n]
         dq: rates after the model's impact [rad/s]. [n]
         correction: per unit of z2 before the impact.
@@ -114,6 +111,7 @@ def rates_after(
     zero, one = jnp.zeros_like(dq[:1]), jnp.ones_like(dq[:1])
     others = jnp.concatenate([zero, joints])
     first_axis = jnp.concatenate([one, jnp.zeros_like(joints)])
-    momentum = angular_momentum(robot, q, dq) + correction.momentum * z2
-    first = (momentum - angular_momentum(robot, q, others)) / angular_momentum(robot, q, first_axis)
+    momentum = robot.momentum(q, dq)[0] + correction.momentum * z2
+    missing = momentum - robot.momentum(q, others)[0]
+    first = missing / robot.momentum(q, first_axis)[0]
     return jnp.concatenate([first[None], joints])

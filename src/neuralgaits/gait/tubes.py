@@ -14,7 +14,7 @@ from numpy.polynomial.chebyshev import chebder, chebval, poly2cheb
 from neuralgaits._types import Array, Float
 from neuralgaits.gait.command_polynomials import factors
 from neuralgaits.gait.commands import Commands, Number, Pair
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 
 LEAST_ZETA = 0.01
 """Between fences that are kept apart, and above zero, in the unit of zeta."""
@@ -43,7 +43,7 @@ class Tube(eqx.Module):
     @classmethod
     def between_energies(
         cls,
-        robot: PlanarBiped,
+        robot: RobotFile,
         energies: tuple[float, float],
         *,
         height: float,

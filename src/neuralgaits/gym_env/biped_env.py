@@ -13,12 +13,13 @@ from neuralgaits._printable import shown
 from neuralgaits._types import Float
 from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
+from neuralgaits.gait.first_states import FirstStates
 from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.posture import walking_posture
 from neuralgaits.gym_env.body import Body, Joints
-from neuralgaits.gym_env.first_states import FirstStates
 from neuralgaits.gym_env.reward import Reward, reward_of
-from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.robots.mjcf.loader import load_robot
+from neuralgaits.robots.robot_source import RobotSource
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.plant import PERIOD_S, build
 from neuralgaits.simulation.ticks.falls import Ending
@@ -55,7 +56,7 @@ class BipedEnv(gymnasium.Env):
 
     def __init__(
         self,
-        robot: str | Path | PlanarBiped = "amber3m",
+        robot: RobotSource = "amber3m",
         *,
         action: Action = "target",
         speed: float | tuple[float, float] = (0.5, 0.9),
@@ -87,11 +88,11 @@ class BipedEnv(gymnasium.Env):
         self._ticks = ticks
         self._torques = action == "torque"
         disturbances = _disturbances(disturb)
-        if not isinstance(robot, str | Path | PlanarBiped):
+        if not isinstance(robot, RobotSource):
             raise InputError(f"robot: expected a name, a path or a robot, found {shown(robot)}")
         # A robot's numbers are double precision, whatever a learner has told JAX.
         with jax.enable_x64(True):
-            self.robot = robot if isinstance(robot, PlanarBiped) else load_robot(robot)
+            self.robot = load_robot(robot) if isinstance(robot, str | Path) else robot
             self._plants = [build(self.robot, one) for one in disturbances]
             self.body = Body(self.robot, self._plants[0])
             self._first = FirstStates(self.robot)

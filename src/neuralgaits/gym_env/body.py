@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from neuralgaits._types import Float
-from neuralgaits.control.measurement import leg_joints
+from neuralgaits.control.measurement import SensedRobot, leg_joints
 from neuralgaits.control.touchdown import TouchdownThresholds, touches_down
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant
 from neuralgaits.simulation.setup.push import Push
@@ -43,7 +42,7 @@ class Body:
         work: mechanical work so far, the integral of sum |torque rate| [J].
     """
 
-    def __init__(self, robot: PlanarBiped, plant: Plant):
+    def __init__(self, robot: SensedRobot, plant: Plant):
         """Compile the plant; `stand` puts the robot onto a leg."""
         self._robot = robot
         self._stance = TouchdownThresholds()
@@ -153,7 +152,7 @@ class Body:
             return False
         ahead = data.geom_xpos[self._feet[swing]][0] - data.geom_xpos[self._feet[self.leg]][0]
         unlocked = not self.steps or self.since >= config.lockout_s
-        return bool(touches_down(config, self._robot, force, ahead, unlocked, np))
+        return bool(touches_down(config, self._robot, force, ahead, unlocked))
 
     def _lay(self) -> None:
         """Move the floor under the swing foot to its next level, when one is due."""

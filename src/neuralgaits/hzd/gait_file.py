@@ -24,7 +24,7 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait import BezierPolicy
 from neuralgaits.records.training_config import HIGHEST_DEGREE
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.runs import object_from_json, to_json
 
 _FIELDS = {
@@ -53,14 +53,14 @@ class GivenGait(NamedTuple):
         return BezierPolicy(self.coefficients, self.z1_range)
 
 
-def write_gait(robot: PlanarBiped, gait: GivenGait) -> str:
+def write_gait(robot: RobotFile, gait: GivenGait) -> str:
     """Return the text of a file with one gait, which `read_gait` reads again to the same bits."""
     start, end = gait.z1_range
     rows = gait.coefficients.tolist()
     return to_json({"joints": list(robot.joint_names[1:]), "bezier": rows, "p": [end, start]})
 
 
-def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenGait:
+def read_gait(file: Path, robot: RobotFile, name: str | None = None) -> GivenGait:
     """Read a gait for a robot.
 
     Args:

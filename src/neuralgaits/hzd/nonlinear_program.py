@@ -15,7 +15,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.hzd.collocation import Nodes
 from neuralgaits.hzd.transcription import StepFunctions
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 
 LEAST_ZETA, MOST_ZETA = 1e-2, 10.0
 """Bounds of zeta, in its unit."""
@@ -35,7 +35,7 @@ class NonlinearProgram(NamedTuple):
 
 
 def problem(
-    casadi: Any, robot: PlanarBiped, step: StepFunctions, mesh: Nodes, degree: int
+    casadi: Any, robot: RobotFile, step: StepFunctions, mesh: Nodes, degree: int
 ) -> NonlinearProgram:
     """Build the nonlinear program.
 
@@ -46,7 +46,7 @@ def problem(
         mesh: nodes of the collocation.
         degree: degree of the polynomials.
     """
-    m, count = robot.n - 1, len(mesh.phases)
+    m, count = len(robot.joint_names) - 1, len(mesh.phases)
     rows, ends = casadi.SX.sym("rows", m * (degree + 1)), casadi.SX.sym("ends", 2)
     zeta, targets = casadi.SX.sym("zeta", count), casadi.SX.sym("told", 2)
     speed, smoothing = targets[0], targets[1]
@@ -109,10 +109,10 @@ def _equations_and_margins(
 
 
 def _bounds(
-    robot: PlanarBiped, count: int, degree: int
+    robot: RobotFile, count: int, degree: int
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
     """Return bounds on control points: a curve stays in their hull, so in the joints' ranges."""
-    leg, ranges = robot.leg_length, (robot.joint_lower, robot.joint_upper)
+    leg, ranges = robot.layout.leg_length, (robot.joint_lower, robot.joint_upper)
     # Shortest and longest distance of z1 at either end of the step from the middle, in leg lengths.
     shortest = 0.05
     longest = 0.45

@@ -11,6 +11,7 @@ from neuralgaits._types import Float
 from neuralgaits.barriers import specs
 from neuralgaits.barriers.walking import pendulum_height
 from neuralgaits.errors import ConvergenceError, InputError
+from neuralgaits.gait import BezierPolicy, ZeroDynamics
 from neuralgaits.gait.posture import posture_path, walking_posture
 from neuralgaits.hzd.collocation import nodes
 from neuralgaits.hzd.gait_file import GivenGait
@@ -51,7 +52,8 @@ class Optimiser:
         self._mesh = nodes(24)
         # The gait must satisfy the conditions of this spec along its orbit.
         spec = specs.load("walking", robot)
-        step = transcribe(casadi, robot, spec, degree)
+        bare = BezierPolicy(np.zeros((robot.n - 1, degree + 1)), (0.0, 1.0))
+        step = transcribe(casadi, ZeroDynamics(robot, bare), spec)
         self._unit = step.unit
         self._problem: NonlinearProgram = problem(casadi, robot, step, self._mesh, degree)
         options = {

@@ -20,7 +20,6 @@ from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.programs import Program, evaluate
 from neuralgaits.programs.algebras.symbols import SymbolAlgebra
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.robots import PlanarBiped
 
 
 class StepFunctions(NamedTuple):
@@ -50,18 +49,18 @@ class NamedFunction(NamedTuple):
         return dict(zip(self.names, self.function(*arguments), strict=True))
 
 
-def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> StepFunctions:
+def transcribe(casadi: Any, bare: ZeroDynamics, spec: GaitSpec) -> StepFunctions:
     """Trace the robot's step and make it functions of symbols.
 
     Args:
         casadi: the module.
-        robot: the biped.
+        bare: zero dynamics of the robot under a `BezierPolicy`, whose numbers do not count.
         spec: spec whose pointwise conditions and barriers must hold along the orbit.
-        degree: degree of the polynomials.
     """
-    shapes = {"rows": (robot.n - 1, degree + 1), "ends": (2,), "phase": (), "zeta": ()}
-    bare = BezierPolicy(np.zeros(shapes["rows"]), (0.0, 1.0))
-    tube = empty_tube(robot, (0.0, 1.0))
+    assert isinstance(bare.policy, BezierPolicy)
+    rows_shape = bare.policy.coefficients.shape
+    shapes = {"rows": rows_shape, "ends": (2,), "phase": (), "zeta": ()}
+    tube = empty_tube(bare.robot, (0.0, 1.0))
     unit = float(tube.unit)
     conditions = [c for c in spec.conditions if isinstance(c, Pointwise | Barrier)]
     by_region, at_guard = {}, []
@@ -75,9 +74,11 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
 
     def point_of(rows, ends, phase, zeta):
         # The checks of its constructor are for numbers.
-        policy = eqx.tree_at(lambda p: (p.coefficients, p.start_and_guard), bare, (rows, ends))
+        policy = eqx.tree_at(
+            lambda p: (p.coefficients, p.start_and_guard), bare.policy, (rows, ends)
+        )
         z1 = ends[0] + phase * (ends[1] - ends[0])
-        point = ZeroDynamics(robot, policy).point(jnp.stack([z1, jnp.sqrt(2.0 * unit * zeta)]))
+        point = ZeroDynamics(bare.robot, policy).point(jnp.stack([z1, jnp.sqrt(2.0 * unit * zeta)]))
         return Gait(policy, tube), point
 
     def along(rows, ends, phase, zeta):

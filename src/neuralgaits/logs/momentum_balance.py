@@ -8,16 +8,16 @@ walked. Both hips with a wrong sign hardly do, but their feet land in the air.
 import numpy as np
 
 from neuralgaits._types import Float, Int
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.logs.strides import LONGEST_STRIDE_S, SETTLING_S
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.logs.zero_states import foot_heights, weight_moments, zero_states
-from neuralgaits.robots import PlanarBiped
 
 FEWEST_ROWS = 10
 """Fewest rows of a stance phase that count."""
 
 
-def momentum_misfit(log: Log, robot: PlanarBiped) -> float | None:
+def momentum_misfit(log: Log, robot: SensedRobot) -> float | None:
     """Return how far a log is from the balance of momentum about its stance feet.
 
     The balance is multiplied by a weight w that vanishes at both ends of a stance phase, and
@@ -48,7 +48,7 @@ def momentum_misfit(log: Log, robot: PlanarBiped) -> float | None:
     return float(np.sqrt(np.sum((momentum + weight) ** 2) / size)) if size > 0.0 else None
 
 
-def landing_height(log: Log, robot: PlanarBiped) -> float | None:
+def landing_height(log: Log, robot: SensedRobot) -> float | None:
     """Return how far a foot is above or below the other one as it lands (m).
 
     Returns: the median over all touchdowns; None without any.

@@ -10,11 +10,11 @@ from typing import NamedTuple, NoReturn
 import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.logs.zero_states import foot_heights, zero_states
-from neuralgaits.robots import PlanarBiped
 
 
 class _Range(NamedTuple):
@@ -25,7 +25,7 @@ class _Range(NamedTuple):
     unit: str
 
 
-def check(log: Log, robot: PlanarBiped, labels: Labels) -> Bool[np.ndarray, " k"]:
+def check(log: Log, robot: SensedRobot, labels: Labels) -> Bool[np.ndarray, " k"]:
     """Refuse a log that cannot be used. Returns: which rows are within all ranges, [k].
 
     Raises: InputError naming file, row, column and remedy.
@@ -102,7 +102,7 @@ def check_times(
         )
 
 
-def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
+def _ranges(log: Log, robot: SensedRobot) -> Iterator[_Range]:
     turn = np.pi
     fastest = 100.0  # Desired rate [rad/s]: the authors' own controller stops beyond it.
     # Reach of joints past their range [rad]: stops give way, and encoders have offsets.
@@ -126,8 +126,8 @@ def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
     yield _Range(f"q_{first}", log.q[:, 0], -turn, turn, "rad")
     yield _Range(f"dq_{first}", log.dq[:, 0], -fastest_rad_s, fastest_rad_s, "rad/s")
     if log.z is not None:
-        reach = float(np.abs(robot.hip_gradient).sum()) * turn
-        length = robot.leg_length
+        reach = float(np.abs(robot.position_rows[0]).sum()) * turn
+        length = robot.layout.leg_length
         # |z2| stays below this many mass * leg length * sqrt(g leg length).
         fall = 3.0 * float(robot.mass) * length * np.sqrt(float(robot.gravity) * length)
         yield _Range("z1", log.z[:, 0], -reach, reach, "m")
@@ -202,10 +202,10 @@ def _turning(log: Log) -> tuple[list[str], Float[np.ndarray, "k c"], Float[np.nd
     return names, angles, np.column_stack([log.dq, log.dqd, log.dpitch])
 
 
-def _check_torques(log: Log, robot: PlanarBiped, labels: Labels) -> None:
+def _check_torques(log: Log, robot: SensedRobot, labels: Labels) -> None:
     """Check torques for a wrong unit: in kN m they are in range, but too small to walk with."""
     largest = float(np.abs(log.tau).max())
-    weight = float(robot.mass * robot.gravity) * float(robot.leg_length)
+    weight = float(robot.mass * robot.gravity) * robot.layout.leg_length
     # Least torque that a walking robot commands somewhere, as a share of mass * g * leg length.
     smallest = 1e-3
     if 0.0 < largest < smallest * weight:
@@ -218,17 +218,17 @@ def _check_torques(log: Log, robot: PlanarBiped, labels: Labels) -> None:
 
 
 def _check_stance(
-    log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
+    log: Log, robot: SensedRobot, labels: Labels, good: Bool[np.ndarray, " k"]
 ) -> None:
     """Check that the stance leg is the one with the lower foot."""
-    falls = 0.4 * float(robot.leg_length)  # Distance of the hip from above the foot [m].
-    upright = good & (np.abs(log.q @ robot.hip_gradient) < falls)
+    falls = 0.4 * robot.layout.leg_length  # Distance of the hip from above the foot [m].
+    upright = good & (np.abs(log.q @ robot.position_rows[0]) < falls)
     if not upright.any():
         return
     height = float(np.median(foot_heights(robot, log.q[upright])))
     # Usual lower limit of the swing foot's height over the stance foot, in leg lengths.
     lowest = -0.005
-    if height < lowest * float(robot.leg_length):
+    if height < lowest * robot.layout.leg_length:
         raise InputError(
             f"{_row_place(log, labels, 0, 'stance')}: expected the leg whose foot is on the "
             "ground, "
@@ -238,12 +238,12 @@ def _check_stance(
 
 
 def _check_pitch(
-    log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
+    log: Log, robot: SensedRobot, labels: Labels, good: Bool[np.ndarray, " k"]
 ) -> None:
     """Check that pitch and coordinates agree on the lean of the torso."""
-    if robot.torso is None or not good.any():
+    if not robot.layout.torso or not good.any():
         return
-    error = np.abs(log.q @ robot.link_angles[robot.torso] - log.pitch)[good]
+    error = np.abs(log.q @ np.asarray(robot.pitch_row(0)) - log.pitch)[good]
     tolerance_rad = 0.1  # Largest difference of pitch and joint angles, from offsets and noise.
     if np.median(error) > tolerance_rad:
         raise InputError(
@@ -254,7 +254,7 @@ def _check_pitch(
         )
 
 
-def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> None:
+def _check_model(log: Log, robot: SensedRobot, good: Bool[np.ndarray, " k"]) -> None:
     """Check that z follows from the run's own model, which tells its robot from others."""
     if log.z is None or not good.any():
         return

@@ -17,11 +17,10 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwise
-from neuralgaits.gait import Point
-from neuralgaits.gait.zero_coordinates import ZeroCoordinates, position_of
+from neuralgaits.gait import Point, ZeroDynamics
+from neuralgaits.gait.zero_coordinates import position_of
 from neuralgaits.logs.strides import SETTLING_S
 from neuralgaits.logs.walk_table import Log
-from neuralgaits.robots import PlanarBiped
 
 
 class Satisfaction(NamedTuple):
@@ -37,27 +36,25 @@ class Satisfaction(NamedTuple):
     """Share of the rows at the phases of a condition's region in which the condition held."""
 
 
-def satisfaction(
-    logs: Sequence[Log], robot: PlanarBiped, gait: Gait, spec: GaitSpec
-) -> Satisfaction:
+def satisfaction(logs: Sequence[Log], zd: ZeroDynamics, gait: Gait, spec: GaitSpec) -> Satisfaction:
     """Judge logged walks by the conditions their gait was trained for.
 
     Args:
         logs: walks of the robot's joints.
-        robot: the run's own model, which defines z.
+        zd: zero dynamics of the run's own model under the gait, which define z.
         gait: gait that walked.
         spec: its conditions; those on the guard and on the fences are left out.
     """
     settled = [log.only(_settled_rows(log)) for log in logs]
     parts = [np.concatenate([log.q, log.dq, log.tau], axis=1) for log in settled]
-    rows = np.concatenate([np.zeros((0, 3 * robot.n - 1)), *parts])
+    rows = np.concatenate([np.zeros((0, 3 * zd.robot.n - 1)), *parts])
     torques = all(log.torques_logged for log in logs)
-    conditions = _conditions_of_logs(robot, gait, spec, torques)
+    conditions = _conditions_of_logs(zd, spec, torques)
     if not len(rows):
         return Satisfaction(0, 0.0, 0.0, {})
     judge = _judge_of(tuple(conditions))
     # Number of rows judged at once: one compiled shape for logs of any length.
-    charts, satisfied = in_blocks(partial(judge, robot, gait), 2048, rows)
+    charts, satisfied = in_blocks(partial(judge, zd, gait), 2048, rows)
     phase, level = charts.T
     inside = (phase >= 0.0) & (phase <= 1.0) & (level >= 0.0) & (level <= 1.0)
     shares, good = {}, inside.copy()
@@ -82,7 +79,7 @@ def _due(spec: GaitSpec, condition: AbstractCondition, phase: Float[np.ndarray, 
 
 
 def _conditions_of_logs(
-    robot: PlanarBiped, gait: Gait, spec: GaitSpec, torques: bool
+    zd: ZeroDynamics, spec: GaitSpec, torques: bool
 ) -> list[Pointwise | Barrier]:
     """Return the conditions on a region with area whose quantity a log knows."""
     judged = []
@@ -90,19 +87,17 @@ def _conditions_of_logs(
         boxes = spec.regions[condition.region]
         curve = any(low == high for box in boxes for low, high in zip(*box, strict=True))
         if not curve and isinstance(condition, Pointwise | Barrier):
-            if _is_logged(condition, robot, gait, torques):
+            if _is_logged(condition, zd, torques):
                 judged.append(condition)
     return judged
 
 
-def _is_logged(
-    condition: Pointwise | Barrier, robot: PlanarBiped, gait: Gait, torques: bool
-) -> bool:
+def _is_logged(condition: Pointwise | Barrier, zd: ZeroDynamics, torques: bool) -> bool:
     """Return whether a condition reads only what a log knows: a point caches what it computes."""
     unknown: set[str] = set()
 
     def read(q: Coordinates, dq: Coordinates, torque: Actuated) -> Array:
-        point = _measured(robot, gait, q, dq, torque)
+        point = _measured(zd, q, dq, torque)
         if not torques:
             del vars(point)["torque"]
         # Fields that follow from the measured ones without the policy.
@@ -115,18 +110,15 @@ def _is_logged(
         unknown.update(set(vars(point)) - names)
         return value
 
-    still = jnp.zeros(robot.n)
+    still = jnp.zeros(zd.robot.n)
     jax.eval_shape(read, still, still, still[1:])
     return not unknown
 
 
-def _measured(
-    robot: PlanarBiped, gait: Gait, q: Coordinates, dq: Coordinates, torque: Actuated
-) -> Point:
+def _measured(zd: ZeroDynamics, q: Coordinates, dq: Coordinates, torque: Actuated) -> Point:
     """Return the point data of a row: measured where a point of the zero dynamics computes."""
-    coordinates = ZeroCoordinates(robot)
-    point = Point(robot, gait.policy, None, coordinates.of(q, dq))
-    dz = coordinates.rate(q, dq)
+    point = zd.point(zd.coordinates.of(q, dq))
+    dz = zd.coordinates.rate(q, dq)
     measured = ("q", "dq", "dz", "torque")  # Fields of a point's data that a log contains.
     vars(point).update(zip(measured, (q, dq, dz, torque), strict=True))
     return point
@@ -134,13 +126,15 @@ def _measured(
 
 @lru_cache(maxsize=4)
 def _judge_of(conditions: tuple[Pointwise | Barrier, ...]):
-    """(robot, gait, rows [b, 3n - 1]) to charts [b, 2] and what holds [b, conditions]."""
+    """(zd, gait, rows [b, 3n - 1]) to charts [b, 2] and what holds [b, conditions]."""
 
     @quick_filter_jit
-    def judge(robot: PlanarBiped, gait: Gait, rows: Array) -> tuple[Array, Array]:
+    def judge(zd: ZeroDynamics, gait: Gait, rows: Array) -> tuple[Array, Array]:
+        n = zd.robot.n
+
         def one(values: Array) -> tuple[Array, Array]:
-            q, dq, torque = jnp.split(values, [robot.n, 2 * robot.n])
-            row = _measured(robot, gait, q, dq, torque)
+            q, dq, torque = jnp.split(values, [n, 2 * n])
+            row = _measured(zd, q, dq, torque)
             satisfied = [jnp.all(condition.function(row) >= 0.0) for condition in conditions]
             chart = jnp.stack([gait.phase(position_of(row.z)), gait.level(row.z)])
             return chart, jnp.stack(satisfied)

@@ -10,14 +10,16 @@ import numpy as np
 from neuralgaits._blocks import in_blocks_of
 from neuralgaits._types import Actuated, Array, Float, Int, ZeroState
 from neuralgaits.control import Measurement
-from neuralgaits.control.law import MeasuredState
-from neuralgaits.control.measurement import coordinates, stance_foot_velocity, stance_joints
+from neuralgaits.control.measurement import (
+    SensedRobot,
+    coordinates,
+    stance_foot_velocity,
+    stance_joints,
+)
 from neuralgaits.control.momentum import zero_state
-from neuralgaits.control.pd import Pd
 from neuralgaits.control.saturation import ZeroStateBounds, momenta_of_walking, zero_state_bounds
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.posture import momentum_unit
-from neuralgaits.robots import PlanarBiped
 
 
 class SensorReadings(NamedTuple):
@@ -46,7 +48,7 @@ class States(NamedTuple):
 
 @in_blocks_of(2048)
 def feet_apart(
-    robot: PlanarBiped, pitch: Float[Array, " k"], angles: Float[Array, "k 2 j"]
+    robot: SensedRobot, pitch: Float[Array, " k"], angles: Float[Array, "k 2 j"]
 ) -> Float[Array, " k"]:
     """Return how far the foot of leg 1 is ahead of that of leg 0 (m). [k]."""
 
@@ -60,7 +62,7 @@ def feet_apart(
 
 
 def states(
-    robot: PlanarBiped,
+    robot: SensedRobot,
     stance: Int[np.ndarray, " k"],
     sensed: SensorReadings,
     hip_velocity: Float[np.ndarray, "k 2"] | None,
@@ -76,14 +78,14 @@ def states(
 
 @in_blocks_of(2048)
 def stance_first(
-    robot: PlanarBiped, stance: Int[Array, " k"], by_leg: Float[Array, "k 2 j"]
+    robot: SensedRobot, stance: Int[Array, " k"], by_leg: Float[Array, "k 2 j"]
 ) -> Float[Array, "k m"]:
     """Reorder values of joints by leg to the order of the actuated coordinates. [k, m]."""
     return jax.vmap(lambda leg, values: stance_joints(robot.layout, values, leg))(stance, by_leg)
 
 
 def desired_outputs(
-    robot: PlanarBiped, policy: AbstractPolicy, of: States
+    robot: SensedRobot, policy: AbstractPolicy, of: States
 ) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "k m"]]:
     """Compute desired outputs and their rates as the joint PD of `simulate` does.
 
@@ -92,8 +94,8 @@ def desired_outputs(
     Returns: [k, m] (rad), [k, m] (rad/s).
     """
     momenta = momenta_of_walking(momentum_unit(robot))
-    policy_at = _PolicyAtRows(robot, policy, zero_state_bounds(policy, momenta))
-    parts = _desired_outputs(policy_at, np.concatenate([*of], axis=1))
+    policy_at = _PolicyAtRows(policy, zero_state_bounds(policy, momenta))
+    parts = _desired_outputs(policy_at, np.concatenate([of.z, of.dz], axis=1))
     m = robot.n - 1
     return parts[:, :m], parts[:, m:]
 
@@ -102,7 +104,7 @@ def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:
     return by_leg.reshape(len(by_leg), -1)
 
 
-def _reading(robot: PlanarBiped, row: Array) -> Measurement:
+def _reading(robot: SensedRobot, row: Array) -> Measurement:
     """Return a measurement from pitch, its rate, angles and rates by leg, and hip velocity."""
     angles, rates = jnp.split(row[2:-2].reshape(2, 2, robot.n // 2), 2)
     return Measurement(
@@ -117,7 +119,7 @@ def _reading(robot: PlanarBiped, row: Array) -> Measurement:
 
 
 @in_blocks_of(2048)
-def _states(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b d"]:
+def _states(robot: SensedRobot, rows: Float[Array, "b c"]) -> Float[Array, "b d"]:
     def one(row: Array) -> Array:
         reading = _reading(robot, row[2:])
         q, dq = coordinates(robot, reading, row[0].astype(int))
@@ -129,7 +131,6 @@ def _states(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b d"
 
 
 class _PolicyAtRows(eqx.Module):
-    robot: PlanarBiped
     policy: AbstractPolicy
     bounds: ZeroStateBounds
 
@@ -138,14 +139,11 @@ class _PolicyAtRows(eqx.Module):
 def _desired_outputs(
     policy_at: _PolicyAtRows, rows: Float[Array, "b c"]
 ) -> Float[Array, "b two_m"]:
-    n = policy_at.robot.n
-
     def outputs(z: ZeroState) -> Actuated:
         return policy_at.policy(policy_at.bounds(z))
 
     def one(row: Array) -> Array:
-        reading = MeasuredState(*jnp.split(row, [n, 2 * n, 2 * n + 2]))
-        desired = Pd().desired(policy_at.robot, outputs, reading)
-        return jnp.concatenate([desired.y, desired.dy])
+        z, dz = jnp.split(row, 2)
+        return jnp.concatenate(jax.jvp(outputs, (z,), (dz,)))
 
     return jax.vmap(one)(rows)

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.logs.zero_states import zero_states
-from neuralgaits.robots import PlanarBiped
 
 SETTLING_S = 0.02
 """Time after a touchdown that is left out: the contact settles, and z2 from q and dq jumps."""
@@ -84,7 +84,7 @@ class Split(NamedTuple):
     heldout: list[Stride]
 
 
-def cut(logs: Sequence[Log], robot: PlanarBiped) -> Cut:
+def cut(logs: Sequence[Log], robot: SensedRobot) -> Cut:
     """Cut logs into strides.
 
     Args:
@@ -161,23 +161,23 @@ def _settled_rows(
     return phase[(t - last + slack >= SETTLING_S) & (t > landed)]
 
 
-def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: PlanarBiped) -> Bool[np.ndarray, " k"]:
+def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: SensedRobot) -> Bool[np.ndarray, " k"]:
     """Find rows at which z2 has changed faster than weight can change it: an impact."""
     rate = np.diff(z[:, 1], prepend=z[0, 1]) / np.diff(log.t, prepend=log.t[0] - log.period_s)
     # The standard deviation, robust against the impacts themselves.
     noise = 1.4826 * float(np.median(np.abs(rate - np.median(rate))))
-    weight = float(robot.mass * robot.gravity) * robot.leg_length
+    weight = float(robot.mass * robot.gravity) * robot.layout.leg_length
     least_jump = 6.0 * noise
     return np.abs(rate) > max(weight, least_jump)
 
 
 def _walking(
-    log: Log, z: Float[np.ndarray, "k 2"], rows: Int[np.ndarray, " s"], robot: PlanarBiped
+    log: Log, z: Float[np.ndarray, "k 2"], rows: Int[np.ndarray, " s"], robot: SensedRobot
 ) -> Int[np.ndarray, " w"]:
     """Return the rows before the first one in which the robot falls."""
     error = np.abs(log.q[rows, 1:] - log.qd[rows]).max(axis=1, initial=0.0)
     # The hip's distance from above the foot is twice that of a long step.
-    far = np.abs(z[rows, 0]) > 0.4 * robot.leg_length
+    far = np.abs(z[rows, 0]) > 0.4 * robot.layout.leg_length
     largest_error = 0.5  # Of a joint [rad]; beyond, the robot falls whatever z is.
     fallen = np.flatnonzero((error > largest_error) | far)
     return rows[: fallen[0]] if fallen.size else rows

@@ -8,31 +8,30 @@ import jax.numpy as jnp
 
 from neuralgaits._blocks import in_blocks_of
 from neuralgaits._types import Array, Float
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import centre_of_mass
 
 
 @in_blocks_of(2048)
 def zero_states(
-    robot: PlanarBiped, q: Float[Array, "k n"], dq: Float[Array, "k n"]
+    robot: SensedRobot, q: Float[Array, "k n"], dq: Float[Array, "k n"]
 ) -> Float[Array, "k 2"]:
     """Compute zero states for a stance foot at rest. Returns: [k, 2] (m, kg m^2/s)."""
     return jax.vmap(ZeroCoordinates(robot).of)(q, dq)
 
 
 @in_blocks_of(2048)
-def foot_heights(robot: PlanarBiped, q: Float[Array, "k n"]) -> Float[Array, " k"]:
+def foot_heights(robot: SensedRobot, q: Float[Array, "k n"]) -> Float[Array, " k"]:
     """Compute heights of the swing foot above the stance foot (m). Returns: [k]."""
     return jax.vmap(lambda one: robot.swing_foot(one)[1])(q)
 
 
 @in_blocks_of(2048)
-def weight_moments(robot: PlanarBiped, q: Float[Array, "k n"]) -> Float[Array, " k"]:
+def weight_moments(robot: SensedRobot, q: Float[Array, "k n"]) -> Float[Array, " k"]:
     """Compute moments of the weight about the stance foot, forward positive (N m). Returns: [k]."""
     weight = robot.mass * robot.gravity
-    return weight * jax.vmap(lambda one: centre_of_mass(robot, one)[0])(q)
+    return weight * jax.vmap(lambda one: robot.centre_of_mass(one)[0])(q)
 
 
 @in_blocks_of(2048)

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.robots.link_rods import bones, is_drawn
 
 FRAME_S = 0.02

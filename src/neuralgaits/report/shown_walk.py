@@ -16,13 +16,14 @@ import numpy as np
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.report_walk import FILE, ShownWalk
 from neuralgaits.records.simulated import MUJOCO, WALK_SUMMARY, SimulationSummary
 from neuralgaits.report import animation
 from neuralgaits.report.page.repeat_commands import plant_word
-from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.robots.mjcf.loader import load_robot
 from neuralgaits.runs import plain
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.simulation.native_walk import engine_of_trained
@@ -57,7 +58,7 @@ class WalkRequest:
         command: command of the gait; None for the middle of its ranges.
     """
 
-    plant: PlanarBiped | None = None
+    plant: SensedRobot | None = None
     law: str = "pd"
     bandwidth: float | None = None
     steps: int = STEPS
@@ -134,7 +135,7 @@ def request_of(run: Run) -> WalkRequest:
         return _of_episodes(run)
 
 
-def _plant(run: Run, simulation: SimulationSummary) -> PlanarBiped | None:
+def _plant(run: Run, simulation: SimulationSummary) -> SensedRobot | None:
     """Load the plant of a simulation. Raises: InputError if the run has kept no file of it."""
     word = plant_word(run.folder, simulation)
     if word is None:
@@ -209,7 +210,7 @@ def _settings(run: Run, settings: WalkRequest) -> dict[str, Any]:
         "disturb": {name: value for name, value in changes if value != getattr(usual, name)},
         "seed": settings.seed,
         "steps_asked": settings.steps,
-        "leg_length_m": plant.leg_length,
+        "leg_length_m": plant.layout.leg_length,
     }
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from neuralgaits._blocks import in_blocks_of
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Int
 from neuralgaits.logs import Log, Stride
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 
 WINDOW_S = 0.15
 """Length of a window [s]."""

@@ -1,8 +1,9 @@
 """Robots: files, the loader that reads them, closed-form dynamics and impact."""
 
 from neuralgaits.robots.biped import PlanarBiped
-from neuralgaits.robots.constants import BipedConstants, MjcfLayout
+from neuralgaits.robots.constants import BipedConstants
 from neuralgaits.robots.impact import Impact
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.robots.mjcf.loader import load_robot
 from neuralgaits.robots.registry import built_in, describe
 from neuralgaits.robots.robot_source import RobotSource

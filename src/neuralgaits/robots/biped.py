@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jax.core import Tracer
 
 from neuralgaits import _notebook
-from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Int, Planar, Scalar
 from neuralgaits.robots import checks, dynamics, impact
 from neuralgaits.robots.constants import BipedConstants
 
@@ -119,6 +119,23 @@ class PlanarBiped(BipedConstants):
             for own, joints in ((self.armature, armature), (self.damping, damping))
         ]
         return eqx.tree_at(lambda robot: (robot.armature, robot.damping), self, tuple(whole))
+
+    def pitch_row(self, stance: Int[Array, ""] | int) -> Float[Array, " n"]:
+        """Return the row with pitch = row . q, standing on leg `stance`. [n]."""
+        if self.torso is not None:
+            return jnp.asarray(self.link_angles[self.torso])
+        # The root is the top link of leg 0: leg 1 in stance counts the same links from the other
+        # end.
+        root = self.n // 2 - 1
+        return jnp.where(stance == 0, self.link_angles[root], self.link_angles[self.n - 1 - root])
+
+    def hip_position(self, q: Coordinates) -> Planar:
+        """Hip from the stance foot, (x, z) [m]. [2]."""
+        return dynamics.hip_position(self, q)
+
+    def hip_velocity(self, q: Coordinates, dq: Coordinates) -> Planar:
+        """Velocity of the hip, (x, z), with the stance foot at rest [m/s]. [2]."""
+        return dynamics.hip_velocity(self, q, dq)
 
     def weight(self) -> Scalar:
         """Weight of the whole robot, flat feet left out [N]."""

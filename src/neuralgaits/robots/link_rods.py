@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 
 
 class Bone(NamedTuple):

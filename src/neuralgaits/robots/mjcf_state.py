@@ -11,7 +11,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 
 Numbers = np.ndarray
 

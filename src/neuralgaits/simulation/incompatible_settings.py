@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._control_laws import CONTROL_LAWS, names_of_laws
+from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import at_bandwidth, exported_laws, law_named
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import LEAN, SLOPE, Commands, place_of
-from neuralgaits.robots import PlanarBiped, RobotSource
 from neuralgaits.robots.parameter_box import checked_box
+from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
 from neuralgaits.simulation.setup.command_schedule import parsed
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -28,14 +29,17 @@ REMOTE = "c"
 
 
 def drawn_robots(
-    robot: PlanarBiped,
+    run: Run,
     parameters: Mapping[str, float] | None,
     seed: int,
-    plant: RobotSource | None,
+    plant: object | None,
     terrain: str | Path | None,
     controller: str | AbstractLaw,
 ) -> DrawnRobots | None:
-    """Return robots of a box; None without a box. Raises: InputError if others are to walk."""
+    """Return robots of a box around a run's; None without a box.
+
+    Raises: InputError if others are to walk.
+    """
     box = checked_box(parameters or {})
     if not box:
         return None
@@ -48,7 +52,7 @@ def drawn_robots(
             f"expected --parameters without {names[0]}, found both: robots are drawn around the "
             "run's own, and walk on its floor; leave one out"
         )
-    return DrawnRobots(robot, box, seed)
+    return DrawnRobots(run.robot, box, seed)
 
 
 def refuse_shared(
@@ -126,7 +130,7 @@ def refuse_bandwidth(
     at_bandwidth(controller if wire is None else wire.law, bandwidth)
 
 
-def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
+def about_other_robot(robot: RobotFile, plant: RobotFile) -> str | None:
     """State that a plant is another robot than the one that a gait was trained for.
 
     Args:
@@ -137,7 +141,7 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
     """
     pairs = {
         "mass": (float(robot.mass), float(plant.mass), "kg"),
-        "leg length": (robot.leg_length, plant.leg_length, "m"),
+        "leg length": (robot.layout.leg_length, plant.layout.leg_length, "m"),
     }
     largest = 0.25  # Share by which mass or leg length differ before it is another robot.
     settings = [

@@ -11,11 +11,8 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.control import AbstractLaw, Controller
+from neuralgaits.control import Controller
 from neuralgaits.errors import InputError
-from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.jax_tick import JaxTick
 from neuralgaits.simulation.live_commands import LiveCommands
 from neuralgaits.simulation.live_floor import Floor
@@ -51,41 +48,32 @@ class LiveWalk:
 
     def __init__(
         self,
-        robot: PlanarBiped,
-        policy: AbstractPolicy,
-        law: AbstractLaw,
+        controller: Controller,
         start: Float[np.ndarray, " two_n"],
         *,
-        z2_range: tuple[float, float] | None = None,
         library: Library | None = None,
-        reset_residual: ResetCorrection = None,
         ground: LiveCourse | None = None,
     ):
         """Put the robot on its left foot at x = 0.
 
         Args:
-            robot: the controller's model, and the robot that walks.
-            policy: desired outputs, or a family of them; its first commands are the middle of its
-                ranges, or those of the ground.
-            law: control law.
+            controller: controller at 1 kHz of the robot that walks; the first commands of a family
+                are the middle of its ranges, or those of the ground.
             start: x = (q, dq) (rad, rad/s). [2n]
-            z2_range: momenta of the policy's training (kg m^2/s).
             library: library compiled for robot and policy; without it, ticks are JAX.
-            reset_residual: corrects the impact that the steps of a family begin with.
             ground: blocks in place of a floor; they give the commands.
         """
         self._ground = ground
-        self.plant = build(robot, None, self.course)
+        self._robot = controller.robot
+        self.plant = build(self._robot, None, self.course)
         self.data = mujoco.MjData(self.plant.model)
         self.floor = Floor(0.0, 0.0)
         self.outcome: TickOutcome | None = None
         self.laps: tuple[int, ...] = ()
-        self._robot = robot
-        controller = Controller.init(
-            robot, policy, law, z2_range=z2_range, period_s=PERIOD_S, reset_residual=reset_residual
-        )
         self._limit = np.asarray(controller.torque_limit)
-        self._commands = LiveCommands(policy.commands, ground and ground.courses.schedule)
+        self._commands = LiveCommands(
+            controller.policy.commands, ground and ground.courses.schedule
+        )
         first = self._commands.first
         self.control: LiveTick = (
             JaxTick(self.plant, controller, first)

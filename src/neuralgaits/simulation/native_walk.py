@@ -13,18 +13,16 @@ from neuralgaits._cache import cache_folder
 from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import Controller
+from neuralgaits.control.controlled_gait import ControlledGait
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
 from neuralgaits.export.design import Design, Origin
-from neuralgaits.export.robot_programs import ground, tells_lean
+from neuralgaits.export.robot_programs import ground
 from neuralgaits.export.source import gait_files
-from neuralgaits.gait.policies.commanded_gait import AnyGait
-from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native.compiled_walk import Library, NativeError
-from neuralgaits.simulation.setup.starts import momentum_range
+from neuralgaits.simulation.setup.starts import controlled_gait, momentum_range
 
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O1", "-ffp-contract=off", "-fPIC", "-shared")
@@ -48,23 +46,12 @@ class WalkEngine:
     note: str | None
 
 
-def engine_of(
-    robot: PlanarBiped,
-    gait: AnyGait,
-    z2_range: tuple[float, float],
-    choice: Choice | None = None,
-    reset_residual: ResetCorrection = None,
-    joints: JointModel | None = None,
-) -> WalkEngine:
+def engine_of(controlled: ControlledGait, choice: Choice | None = None) -> WalkEngine:
     """Choose the loop that walks a gait.
 
     Args:
-        robot: the controller's model.
-        gait: policy and region, or a family of them.
-        z2_range: momenta of the region (kg m^2/s).
+        controlled: the gait, and what its controllers share.
         choice: `native` to require it, `jax` for the reference, None for native where it works.
-        reset_residual: corrects the impact that the steps of a family begin with.
-        joints: rotors and friction that torques are for, those of the robot if None.
 
     Raises: InputError in one line if native was required and does not work.
     """
@@ -73,7 +60,7 @@ def engine_of(
     if choice == "jax":
         return WalkEngine(None, None)
     try:
-        design = _design(robot, gait, z2_range, reset_residual, joints)
+        design = _design(controlled)
         return _engine(sources(design), design.controller)
     except (NativeError, CompilerError) as error:
         if choice == "native":
@@ -83,42 +70,28 @@ def engine_of(
 
 def engine_of_run(run: Run, choice: Choice | None = None) -> WalkEngine:
     """Choose the loop for the gait of a run; for a family, the gait at the run's command."""
-    return engine_of(run.robot, run.gait, momentum_range(run.gait), choice)
+    return engine_of(ControlledGait(run.robot, run.gait, momentum_range(run.gait)), choice)
 
 
 def engine_of_trained(
     run: Run, choice: Choice | None = None, joints: JointModel | None = None
 ) -> WalkEngine:
     """Choose the loop for all gaits of a run; a family takes its commands."""
-    trained, reset = run.trained, run.residuals.reset
-    return engine_of(run.robot, trained, momentum_range(trained), choice, reset, joints)
+    return engine_of(controlled_gait(run, joints), choice)
 
 
-def _design(
-    robot: PlanarBiped,
-    gait: AnyGait,
-    z2_range: tuple[float, float],
-    reset_residual: ResetCorrection = None,
-    joints: JointModel | None = None,
-) -> Design:
+def _design(controlled: ControlledGait) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     unknown = "0" * 64
     origin = Origin(unknown, unknown, None, None, "walk", "-")
-    return Design.of(
-        robot,
-        gait,
-        {"pd": law_named("pd")},  # Walks bring the law that they are asked for.
-        z2_range,
-        origin,
-        reset_residual=reset_residual,
-        joints=joints,
-    )
+    # Walks bring the law that they are asked for.
+    return Design.of(controlled, {"pd": law_named("pd")}, origin)
 
 
 def sources(design: Design) -> dict[str, str]:
     """Return all files to compile. Raises: NativeError for a policy that C cannot express."""
     try:
-        gait = gait_files(design, (ground(design.robot, tells_lean(design.gait.policy)),))
+        gait = gait_files(design, (ground(design.controller),))
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = output_folder.shipped() | output_folder.adaptation()

@@ -12,8 +12,9 @@ import numpy as np
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
+from neuralgaits.control.controlled_gait import law_for
 from neuralgaits.control.joint_model import JointModel
-from neuralgaits.control.law_by_name import at_bandwidth, law_for, law_named
+from neuralgaits.control.law_by_name import at_bandwidth, law_named
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native.native_scene import knows

@@ -153,7 +153,7 @@ def _camera(plant: Plant, data):
     if plant.model.ncam and plant.course is None:
         return 0
     camera = mujoco.MjvCamera()
-    height = plant.robot.leg_length
+    height = plant.robot.layout.leg_length
     root = int(plant.model.joint(plant.robot.layout.root_joints[2]).bodyid[0])
     level = 0.0 if plant.course is None else plant.course.height(float(data.xpos[root][0]))
     camera.lookat[:] = (data.xpos[root][0], 0.0, level + 0.78 * height)

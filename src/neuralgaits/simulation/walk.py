@@ -12,6 +12,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import law_named
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
@@ -62,7 +63,7 @@ class Walk:
 class WalkOptions:
     """Options that walks have from any start, of policies or of a trained gait."""
 
-    plant: PlanarBiped | None = None
+    plant: SensedRobot | None = None
     """Robot to simulate, the controller's model if None; it must have the same joints."""
     controller: str | AbstractLaw = "pd"
     """`pd`, `fblin`, `paper`, `clf-qp`, or a law; `scheduled-pd` as `law_for` fits it to a gait."""
@@ -102,7 +103,7 @@ class WalkInputs(WalkOptions):
     starts: Float[np.ndarray, "B two_n"]
     """Full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]"""
     _: KW_ONLY
-    robots: Sequence[PlanarBiped] | None = None
+    robots: Sequence[SensedRobot] | None = None
     """Robots in place of `plant`, one for each episode, of the same joints and feet; without
     courses."""
     z2_range: tuple[float, float] | None = None
@@ -231,7 +232,7 @@ def _controller(
 
 
 def _plants(
-    robot: PlanarBiped, disturbance: PlantChanges | None, courses: Courses | None
+    robot: SensedRobot, disturbance: PlantChanges | None, courses: Courses | None
 ) -> list[Plant]:
     """Return the plant of all episodes, or that of each on its course."""
     if courses is None:
@@ -252,7 +253,7 @@ def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarr
     return np.concatenate([np.zeros((len(starts), 1)), qpos, qvel], axis=1)
 
 
-def _checked_starts(robot: PlanarBiped, starts: Array) -> Float[np.ndarray, "B two_n"]:
+def _checked_starts(robot: SensedRobot, starts: Array) -> Float[np.ndarray, "B two_n"]:
     array = np.asarray(starts, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 2 * robot.n or not len(array):
         raise InputError(
@@ -269,8 +270,8 @@ def _as_many(policies: Sequence[AbstractPolicy], count: int) -> list[AbstractPol
     return list(policies)
 
 
-def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:
-    if plant is not None and (plant.n, plant.torso) != (robot.n, robot.torso):
+def _check_same_joints(robot: SensedRobot, plant: SensedRobot | None) -> None:
+    if plant is not None and (plant.n, plant.layout.torso) != (robot.n, robot.layout.torso):
         feet, plant_feet = ("point" if one.feet is None else "flat" for one in (robot, plant))
         other_feet = "" if feet == plant_feet else f", and {plant_feet} feet instead of {feet} ones"
         raise InputError(

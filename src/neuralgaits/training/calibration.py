@@ -10,30 +10,28 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits._types import Array, Float
+from neuralgaits._types import Float
 from neuralgaits.analysis.poincare_map import poincare
-from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.analysis.run import Run
+from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.believed_robot import robot_of_step
 from neuralgaits.gait.command_polynomials import CURVE_TERMS, plain_curves
 from neuralgaits.gait.commands import Number
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.training.sampling import beyond_range
 
 KNOTS = 9
 """Number of commands at which orbits are searched for."""
 
+_gait_at = quick_filter_jit(CommandedGait.at)
 
-def calibrated(
-    gait: CommandedGait, robot: PlanarBiped, residuals: Residuals, widened: float
-) -> CommandedGait:
+
+def calibrated(gait: CommandedGait, run: Run) -> CommandedGait:
     """Return the family with a curve for its speed; itself if it takes no speed.
 
     Args:
         gait: trained gait, with curves that do nothing.
-        robot: its robot.
-        residuals: residuals learned for the robot.
-        widened: that of the recipe it was trained with.
+        run: run that it was trained in.
     """
     names = [c.name for c in gait.commands]
     if "speed" not in names:
@@ -41,9 +39,9 @@ def calibrated(
     at, plain = names.index("speed"), plain_curves(gait.commands)
     command = gait.commands[at]
     middle, half = command.middle, command.half
-    beyond = beyond_range(command, widened) / half
+    beyond = beyond_range(command, run.spec.recipe.widened) / half
     places = np.linspace(-1.0 - beyond, 1.0 + beyond, KNOTS)
-    speeds = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
+    speeds = np.array([_speed(gait, run, at, middle + half * x) for x in places])
     rising = rising_part(speeds)
     if len(speeds[rising]) < CURVE_TERMS:
         return gait
@@ -64,20 +62,13 @@ def rising_part(speeds: Float[np.ndarray, " k"]) -> slice:
     return slice(first, last + 1)
 
 
-def _speed(
-    gait: CommandedGait, robot: PlanarBiped, residuals: Residuals, at: int, speed: float
-) -> float:
+def _speed(gait: CommandedGait, run: Run, at: int, speed: float) -> float:
     """Return the mean speed of the orbit (m/s); NaN without one."""
     v: list[Number] = []
     for i, command in enumerate(gait.commands):
         value = speed if i == at else command.middle
         v += command.coordinates(value, value)
-    step = _steady(gait, robot, np.array(v), residuals)
-    walking = robot_of_step(robot, step, np.zeros(0))
-    moving = ZeroDynamics(walking, step.policy, *residuals)
+    step = _gait_at(gait, run.robot, np.array(v), run.residuals.reset).steady_next
+    walking = robot_of_step(run.robot, step, np.zeros(0))
+    moving = ZeroDynamics(walking, step.policy, *run.residuals)
     return poincare(moving, step.z(jnp.array([0.5, 0.5]))).speed_m_s
-
-
-@quick_filter_jit
-def _steady(gait: CommandedGait, robot: PlanarBiped, v: Float[Array, " k"], residuals: Residuals):
-    return gait.at(robot, v, residuals.reset).steady_next

@@ -3,6 +3,8 @@
 Without this, every run from random weights ends in the minimum with both feet together.
 """
 
+from collections.abc import Callable
+
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -10,16 +12,17 @@ import numpy as np
 import optax
 from jaxtyping import PRNGKeyArray
 
+from neuralgaits._types import Float
 from neuralgaits.barriers import Gait
-from neuralgaits.gait import posture_path
-from neuralgaits.robots import PlanarBiped
+
+Postures = Callable[[Float[np.ndarray, " k"]], Float[np.ndarray, "k m"]]
 
 
-def start_from_posture(robot: PlanarBiped, gait: Gait, steps: int, key: PRNGKeyArray) -> Gait:
+def start_from_posture(postures: Postures, gait: Gait, steps: int, key: PRNGKeyArray) -> Gait:
     """Fit y_d(z) to the posture at z1, for all z of the tube.
 
     Args:
-        robot: robot that has the posture.
+        postures: outputs of the posture at hip positions z1 (m). [k] to [k, m]
         gait: gait with a policy that maps z freely.
         steps: steps of Adam.
         key: random key.
@@ -29,7 +32,7 @@ def start_from_posture(robot: PlanarBiped, gait: Gait, steps: int, key: PRNGKeyA
     count = 33  # Number of hip positions at which inverse kinematics gives a posture.
     phases = np.linspace(0.0, 1.0, count)
     start, guard = (float(end) for end in gait.span)
-    targets = jnp.asarray(posture_path(robot, start + phases * (guard - start)))
+    targets = jnp.asarray(postures(start + phases * (guard - start)))
     trained, fixed = eqx.partition(gait.policy, gait.policy.trainable())
     optimizer = optax.adam(3e-3)
 

@@ -2,6 +2,7 @@
 
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -9,6 +10,8 @@ import jax
 from neuralgaits.analysis.run import Run
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.policies.commanded_gait import AnyGait
+from neuralgaits.gait.posture import posture_path
+from neuralgaits.robots.mjcf.parameters import model_of
 from neuralgaits.runs.names import START, STATE
 from neuralgaits.training.posture_start import start_from_posture
 from neuralgaits.training.train_state import TrainState
@@ -58,7 +61,7 @@ def trainer_of(run: Run) -> Trainer:
     """Return the trainer for a run's config, not compiled yet."""
     config = run.config
     return Trainer.build(
-        run.robot,
+        model_of(run.robot, run.spec.parameters),
         run.spec,
         run.trained,
         steps=config.steps,
@@ -91,5 +94,5 @@ def start_of(run: Run, trainer: Trainer) -> TrainState:
         # key is only split, there samples are drawn from it and from keys folded out of it, so no
         # number is drawn twice. Another key would change gaits that a seed names.
         key = jax.random.fold_in(jax.random.key(config.seed), 1)
-        gait = start_from_posture(run.robot, gait, recipe.posture_steps, key)
+        gait = start_from_posture(partial(posture_path, run.robot), gait, recipe.posture_steps, key)
     return trainer.init(gait)

@@ -23,8 +23,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import NO_RESIDUALS, Residuals
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.mjcf.parameters import model_of
+from neuralgaits.robots.mjcf.parameters import Model, nominal_robot
 from neuralgaits.training.disturbance_corners import DisturbanceBox
 from neuralgaits.training.gradient_step import (
     VALIDATION_SAMPLES,
@@ -52,7 +51,7 @@ class Trainer:
     """Train gaits for one robot and one spec; gaits may differ in their weights only.
 
     Attributes:
-        robot: the biped.
+        model: the robot, or those of a box around it that the spec's parameters make.
         spec: conditions, regions and recipe.
         steps: gradient steps in all.
         seed: seed of the samples.
@@ -65,7 +64,7 @@ class Trainer:
         round: 0 for an ordinary training; each number has samples of its own.
     """
 
-    robot: PlanarBiped
+    model: Model
     spec: GaitSpec
     steps: int
     seed: int
@@ -85,7 +84,7 @@ class Trainer:
     @classmethod
     def build(
         cls,
-        robot: PlanarBiped,
+        model: Model,
         spec: GaitSpec,
         template: AnyGait,
         *,
@@ -98,7 +97,7 @@ class Trainer:
         """Lay out samples and margins and prepare the jitted functions.
 
         Args:
-            robot: the biped.
+            model: the robot, or those of a box around it that the spec's parameters make.
             spec: conditions, regions and recipe.
             template: a gait of the structure to be trained.
             steps: gradient steps in all; the schedule depends on it.
@@ -107,7 +106,6 @@ class Trainer:
             disturbance: bounds of dz's disturbance under which conditions must hold (m/s, N m).
             rate: factor on the recipe's learning rate.
         """
-        model = model_of(robot, spec.parameters)
         sampler, validation = samplers_of(spec)
         layout = lay_out(spec, model, template, sampler)
         trained, fixed = eqx.partition(template, template.trainable())
@@ -124,7 +122,7 @@ class Trainer:
         checked = lay_out(spec, model, template, validation)
         evaluate = make_evaluate(spec, model, validation, checked, residuals, disturbance)
         return cls(
-            robot=robot,
+            model=model,
             spec=spec,
             steps=steps,
             seed=seed,
@@ -209,7 +207,7 @@ class Trainer:
         """Return the gait with these parameters, in float64 and matched to the robot."""
         trained = cast(self._unflatten(parameters), np.float64)
         gait = eqx.combine(trained, self._template)
-        return _match_impact(gait, self.robot, self.residuals.reset)
+        return _match_impact(gait, self.model, self.residuals.reset)
 
     def report(self, gait: AnyGait, *, seed: int) -> FreshMargins:
         """Return loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
@@ -265,5 +263,5 @@ def samplers_of(spec: GaitSpec) -> tuple[Sampler, Sampler]:
 
 
 @quick_filter_jit
-def _match_impact(gait: AnyGait, robot: PlanarBiped, reset_residual: ResetCorrection) -> AnyGait:
-    return gait.match_impact(robot, reset_residual)
+def _match_impact(gait: AnyGait, model: Model, reset_residual: ResetCorrection) -> AnyGait:
+    return gait.match_impact(nominal_robot(model), reset_residual)

@@ -15,6 +15,7 @@ from neuralgaits.barriers import GaitSpec, specs
 from neuralgaits.errors import NonFiniteError
 from neuralgaits.records.trained import EndedInNan
 from neuralgaits.records.training_config import config_of
+from neuralgaits.robots.mjcf.parameters import nominal_robot
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import NAN, NAN_STATE
 from neuralgaits.runs.shell_words import resuming
@@ -172,7 +173,7 @@ class GradientSteps:
         at = f"; at step {int(last_good.step)}, the last finite state, {missed_in_words(names)}"
         if not any(name in TORQUE_CONDITIONS for name in names):
             return f"{at}: train with another"
-        limit = float(np.max(np.asarray(trainer.robot.torque_limit)))
+        limit = float(np.max(np.asarray(nominal_robot(trainer.model).torque_limit)))
         return (
             f"{at}: the motors (at most {limit:g} N m) may be too weak for this robot: raise their "
             "limits if the real ones have more torque, or train with another"

@@ -10,7 +10,6 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.command_belief import SETTLED
-from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import LEAN, SLOPE, command_named, place_of
 from neuralgaits.gait.zero_coordinates import momentum_of
@@ -20,7 +19,7 @@ from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.plant import PERIOD_S
-from neuralgaits.simulation.setup.starts import momentum_range
+from neuralgaits.simulation.setup.starts import controlled_gait
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.believed_lean import LeanMarks, lean_of
@@ -72,13 +71,9 @@ class LiveGait:
         self._onto = PointEvaluator(lambda z: {"x": zd.phi_inv(z)})
         self._middle = self.chart.z(*np.full((2, 1), 0.5))[0]
         self.live = LiveWalk(
-            run.robot,
-            run.trained.policy,
-            law_named("pd"),
+            controlled_gait(run).under("pd"),
             self._state(self._middle),
-            z2_range=momentum_range(run.trained),
             library=engine_of_trained(run).library,
-            reset_residual=run.residuals.reset,
             ground=ground,
         )
         self.live.control.adapt(self.adapts_at_first)

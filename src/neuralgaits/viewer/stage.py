@@ -9,7 +9,7 @@ import numpy as np
 import viser
 from mjviser import ViserMujocoScene
 
-from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.robots.link_rods import bones
 from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing

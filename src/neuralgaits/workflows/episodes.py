@@ -33,6 +33,7 @@ from neuralgaits.records.episode_records import (
 )
 from neuralgaits.records.fitted import FitSummary
 from neuralgaits.report.figures.rounds import draw_file
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import plain
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import CONFIG, FIT_SUMMARY
@@ -244,15 +245,13 @@ class _Session:
         place, config = self.folder.round(number), self.folder.config
         if (place / EPISODES_SUMMARY).is_file():
             return open_run(place)
-        robot = self.folder.robot
-        steps = config.steps
-        seed = config.seed
+        robot = robot_from_text(self.folder.robot.layout.xml, self.folder.robot.name)
         if (place / CONFIG).is_file():
             self.tell(number, "training on")
             return train(robot, resume=place, progress=self.progress, root=self.root)
         # Copies of a command that was killed before its config was written.
         shutil.rmtree(place, ignore_errors=True)
-        settings: dict[str, Any] = {"seed": seed, "steps": steps, "out": place}
+        settings: dict[str, Any] = {"seed": config.seed, "steps": config.steps, "out": place}
         settings |= {"progress": self.progress, "root": self.root}
         if before is None:
             self.tell(number, "training on the model")

@@ -28,7 +28,7 @@ from neuralgaits.records.exported import ExportRecord
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.settings import ExportSettings, called_with
-from neuralgaits.simulation.setup.starts import momentum_range
+from neuralgaits.simulation.setup.starts import controlled_gait, momentum_range
 from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.condition_queries import queries_of
@@ -194,18 +194,12 @@ def design_of(
             the proof for the law that level 5 is about, their own for the others.
     """
     certificate = certificate or read_certificate(trained.folder)
-    gait, laws = trained.trained, exported_laws(bandwidth)
+    laws = exported_laws(bandwidth)
     if bandwidth is None and (proved := proved_law(certificate)) is not None:
         laws[proved.name] = at_bandwidth(proved.name, proved.bandwidth)
-    design = Design.of(
-        trained.robot,
-        gait,
-        laws,
-        momentum_range(gait),
-        _origin(trained, certificate, None if joints is None else joints.sha256),
-        reset_residual=trained.residuals.reset,
-        joints=None if joints is None else joints.model,
-    )
+    controlled = controlled_gait(trained, None if joints is None else joints.model)
+    origin = _origin(trained, certificate, None if joints is None else joints.sha256)
+    design = Design.of(controlled, laws, origin)
     return replace(design, law_proofs=law_proofs(trained, certificate, design.controllers))
 
 

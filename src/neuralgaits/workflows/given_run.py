@@ -16,14 +16,13 @@ from neuralgaits.hzd.tube import fit_tube
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.records.trained import TrainingSummary, Violations, measured_hashes
 from neuralgaits.records.training_config import GaitOrigin, TrainingConfig
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish
 from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows.train import violations
 
 
 def given_run(
-    robot: PlanarBiped,
+    zd: ZeroDynamics,
     gait: GivenGait,
     origin: GaitOrigin,
     *,
@@ -35,7 +34,7 @@ def given_run(
     """Find the orbit of a gait, fit a tube around it, and write a finished run.
 
     Args:
-        robot: robot that it walks on.
+        zd: zero dynamics of the robot that it walks on, under its policy.
         gait: its outputs.
         origin: origin of the outputs.
         solve_s: duration of an optimisation (s).
@@ -45,7 +44,7 @@ def given_run(
 
     Raises: InputError if no orbit attracts, ConvergenceError if an optimisation led to such a gait.
     """
-    zd = ZeroDynamics(robot, gait.policy)
+    robot = zd.robot
     walk = _attracting_orbit(zd, origin)
     spec = specs.load(specs.GIVEN, robot, degree=gait.degree)
     trained = Gait(zd.policy, fit_tube(zd, spec, walk))
@@ -75,7 +74,7 @@ def given_run(
 
 def _attracting_orbit(zd: ZeroDynamics, origin: GaitOrigin) -> Steady:
     """Return the periodic orbit of a gait. Raises: as `given_run`, if none attracts."""
-    robot = zd.robot
+    name = zd.robot.name
     no_solution = "its zero dynamics have no finite solution"
     try:
         walk = steady(zd)
@@ -85,25 +84,25 @@ def _attracting_orbit(zd: ZeroDynamics, origin: GaitOrigin) -> Steady:
         walk = no_solution
     if isinstance(walk, str):
         remedy = (
-            f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "
+            f"expected a gait with a periodic orbit on {name}, found that {walk}: check "
             "the joints' convention, and whether it is this robot's"
         )
-        raise _refusal(robot, origin, walk, remedy)
+        raise _refusal(name, origin, walk, remedy)
     if not 0.0 < walk.multiplier < 1.0:
         problem = f"a Poincare multiplier of {walk.multiplier:.4g}"
         remedy = (
             f"expected an orbit that attracts, found {problem}: no tube around it is kept; give a "
             "gait that is stable without feedback along z"
         )
-        raise _refusal(robot, origin, f"its orbit has {problem}", remedy)
+        raise _refusal(name, origin, f"its orbit has {problem}", remedy)
     return walk
 
 
-def _refusal(robot: PlanarBiped, origin: GaitOrigin, problem: str, remedy: str) -> NeuralGaitsError:
+def _refusal(name: str, origin: GaitOrigin, problem: str, remedy: str) -> NeuralGaitsError:
     """Return the error for a gait without an attracting orbit, imported or optimised.
 
     Args:
-        robot: robot that it should walk on.
+        name: name of the robot that it should walk on.
         origin: origin of the gait.
         problem: defect of the gait, in words.
         remedy: message for an imported gait.
@@ -111,7 +110,7 @@ def _refusal(robot: PlanarBiped, origin: GaitOrigin, problem: str, remedy: str) 
     if origin.by == "optimise":
         # Equations hold at the nodes; the flow between them is what decides.
         return ConvergenceError(
-            f"expected a gait of {robot.name} at {origin.speed:g} m/s, found one in which, by its "
+            f"expected a gait of {name} at {origin.speed:g} m/s, found one in which, by its "
             f"flow, {problem}: ask for another speed, or for polynomials of another --degree"
         )
     return InputError(remedy)

@@ -4,6 +4,7 @@ import time
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run
+from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd.gait_file import read_gait
 from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.settings import ImportGaitSettings, called_with
@@ -25,4 +26,6 @@ def import_gait(settings: ImportGaitSettings) -> Run:
     origin = GaitOrigin("import-gait", gait.degree)
     if settings.begun is not None:
         settings.begun()
-    return given_run(robot, gait, origin, start_time=start_time, out=out, root=root)
+    return given_run(
+        ZeroDynamics(robot, gait.policy), gait, origin, start_time=start_time, out=out, root=root
+    )

@@ -6,6 +6,7 @@ from pathlib import Path
 from neuralgaits._commands import FASTEST
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
+from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.reach import refuse_speed
 from neuralgaits.hzd.solver import Optimiser
 from neuralgaits.records.training_config import HIGHEST_DEGREE, GaitOrigin
@@ -45,7 +46,7 @@ def optimise(settings: OptimiseSettings) -> Run:
     optimum = optimiser.at(speed)
     origin = GaitOrigin("optimise", degree, speed)
     return given_run(
-        robot,
+        ZeroDynamics(robot, optimum.gait.policy),
         optimum.gait,
         origin,
         solve_s=optimum.solve_s,

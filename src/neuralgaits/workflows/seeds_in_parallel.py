@@ -14,6 +14,7 @@ from pathlib import Path
 from neuralgaits._environment import cores
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import NeuralGaitsError, is_full
+from neuralgaits.robots.mjcf.parameters import model_of
 from neuralgaits.training.session import compile_steps
 from neuralgaits.training.trainer import Trainer
 from neuralgaits.training.training_loop import Progress
@@ -48,7 +49,11 @@ class SeedsInParallel:
         self.root = root
         self.size = min(cores(), count)
         self.trainer = Trainer.build(
-            first.robot, first.spec, first.gait, steps=first.config.steps, seed=first.config.seed
+            model_of(first.robot, first.spec.parameters),
+            first.spec,
+            first.gait,
+            steps=first.config.steps,
+            seed=first.config.seed,
         )
         self.begun: list[Run] = []
         self.done: dict[int, Run] = {}

@@ -126,7 +126,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     command, commands = settings.command, settings.commands
     changes = sensed(parse(settings.disturb), settings.sensing)
     disturbance = with_gains(changes, settings.gains, settings.drive_rate)
-    robots = drawn_robots(run.robot, settings.parameters, seed, plant, terrain, controller)
+    robots = drawn_robots(run, settings.parameters, seed, plant, terrain, controller)
     if robots is not None:
         disturbance = robots.on_its_floor(disturbance)
     schedule = schedule_of(run.trained.commands, command, commands, seed)

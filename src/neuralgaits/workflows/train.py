@@ -100,7 +100,7 @@ def train_to_the_end(
             session = take_all_steps(run, progress, trainer)
             gait, proof = session.gait, None
             if isinstance(gait, CommandedGait):
-                gait = calibrated(gait, run.robot, run.residuals, run.spec.recipe.widened)
+                gait = calibrated(gait, run)
             if run.config.certify is None:
                 run.folder.write_tree(WEIGHTS, gait)
             else:

@@ -5,7 +5,8 @@ from pathlib import Path
 from neuralgaits import logs
 from neuralgaits.analysis.run import Run
 from neuralgaits.records.simulated import PLANT, WALK_SUMMARY
-from neuralgaits.robots import RobotSource, registry
+from neuralgaits.robots import registry
+from neuralgaits.robots.robot_source import RobotSource
 from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.outputs import refuse_outputs

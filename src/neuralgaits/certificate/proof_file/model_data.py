@@ -20,9 +20,9 @@ from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.gait.tubes import CommandedTube
 from neuralgaits.programs import Program
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.derive import LegData, TorsoData
 from neuralgaits.robots.mjcf.loader import links_from_text
+from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.runs import plain
 
 _NETWORK_POLICY = ("lower", "upper", "input_scale", "input_shift")
@@ -35,7 +35,7 @@ _ARRAYS = {
 
 
 def model_data(
-    robot: PlanarBiped,
+    robot: RobotFile,
     gait: AnyGait,
     spec: GaitSpec,
     program: Program,
@@ -75,7 +75,7 @@ def model_data(
     }
 
 
-def _robot(robot: PlanarBiped, leg: LegData, torso: TorsoData | None) -> dict[str, Any]:
+def _robot(robot: RobotFile, leg: LegData, torso: TorsoData | None) -> dict[str, Any]:
     names = ("length", "mass", "inertia", "armature", "damping", "torque_limit", "lower", "upper")
     links = []
     for place, com in enumerate(leg.com):
@@ -96,7 +96,7 @@ def _robot(robot: PlanarBiped, leg: LegData, torso: TorsoData | None) -> dict[st
     }
 
 
-def _sole(robot: PlanarBiped) -> dict[str, Any]:
+def _sole(robot: RobotFile) -> dict[str, Any]:
     if robot.feet is None:
         return {}
     feet = robot.feet

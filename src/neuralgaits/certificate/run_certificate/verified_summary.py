@@ -205,7 +205,7 @@ def _box(run: Path, proof: ProofOfRun) -> dict[str, float]:
     floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
     if not errors:
         return floor
-    from neuralgaits.robots import load_robot  # Brings JAX.
+    from neuralgaits.robots.mjcf.loader import load_robot  # Brings JAX.
     from neuralgaits.robots.mjcf.parameters import ParameterAxis, box_of
 
     axes = tuple(ParameterAxis(one.name, one.high) for one in errors)

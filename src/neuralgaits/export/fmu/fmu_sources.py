@@ -22,7 +22,7 @@ _NAMES = {
 
 def model_identifier(design: Design) -> str:
     """Return the name of the FMU's binary, an identifier of C."""
-    return f"neuralgaits_{re.sub('[^A-Za-z0-9_]', '_', design.robot.name)}"
+    return f"neuralgaits_{re.sub('[^A-Za-z0-9_]', '_', design.controller.robot.name)}"
 
 
 def headers() -> dict[str, str]:

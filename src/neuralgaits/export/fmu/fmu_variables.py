@@ -77,9 +77,9 @@ class JointList:
 
     def __init__(self, design: Design):
         """List the joints of a design's robot."""
-        legs = design.robot.layout.leg_joints
+        legs = design.controller.robot.layout.leg_joints
         own = [*legs[0], *(name for name in legs[1] if name not in legs[0])]
-        model = mujoco.MjModel.from_xml_string(design.robot.layout.xml)
+        model = mujoco.MjModel.from_xml_string(design.controller.robot.layout.xml)
         self.names: list[str] = sorted(own, key=lambda name: model.joint(name).id)
         self.parts = [identifier(name, f"joint{k}") for k, name in enumerate(self.names)]
         """Parts of variables' names."""
@@ -116,7 +116,7 @@ def _inputs(design: Design, joints: JointList) -> Iterator[FmuVariable]:
     for axis, about in (("x", "forward"), ("z", "up")):
         text = f"velocity of the root's pitch axis in the world, {about}; {only}"
         yield real(f"velocity.{axis}", "VELOCITY", "m/s", text)
-    for leg, foot in enumerate(design.robot.layout.feet):
+    for leg, foot in enumerate(design.controller.robot.layout.feet):
         text = f"normal force of the ground on {foot}, or a switch times the robot's weight"
         yield real(f"force.{identifier(foot, f'foot{leg}')}", "FORCE", "N", text)
     for name, part in zip(joints.names, joints.parts, strict=True):
@@ -185,7 +185,9 @@ def _parameters(design: Design) -> Iterator[FmuVariable]:
         low=0,
         high=len(design.controllers) - 1,
     )
-    feet = " and ".join(f"{k} on {foot}" for k, foot in enumerate(design.robot.layout.feet))
+    feet = " and ".join(
+        f"{k} on {foot}" for k, foot in enumerate(design.controller.robot.layout.feet)
+    )
     if not design.supervised:
         yield FmuVariable(
             "first_leg",
@@ -233,7 +235,9 @@ def _joint_outputs(joints: JointList) -> Iterator[FmuVariable]:
 def _outputs(design: Design) -> Iterator[FmuVariable]:
     real, integer, boolean = VariableType
     out = Role.OUTPUT
-    feet = " and ".join(f"{k} on {foot}" for k, foot in enumerate(design.robot.layout.feet))
+    feet = " and ".join(
+        f"{k} on {foot}" for k, foot in enumerate(design.controller.robot.layout.feet)
+    )
     faults = ", ".join(f"{one.value}: {one.name.lower().replace('_', ' ')}" for one in Fault)
     since = "time since the last touchdown, 1e30 before the first"
     yield FmuVariable("since_touchdown", "SINCE_TOUCHDOWN", real, out, 0.0, since, unit="s")

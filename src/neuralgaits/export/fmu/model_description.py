@@ -48,7 +48,7 @@ def model_description(
         "fmiModelDescription",
         {
             "fmiVersion": version,
-            "modelName": f"{_printable_text(design.robot.name)}, controller",
+            "modelName": f"{_printable_text(design.controller.robot.name)}, controller",
             ("instantiationToken" if three else "guid"): token,
             "description": _description(design),
             "generationTool": f"neuralgaits {design.origin.version}",
@@ -129,8 +129,9 @@ def _description(design: Design) -> str:
     origin = design.origin
     hashes = ", ".join(f"{name} sha256 {value}" for name, value in _hashes(design).items())
     proof = "none" if origin.proof_verdict is None else f"stated {origin.proof_verdict}"
+    name = design.controller.robot.name
     return _printable_text(
-        f"Controller of a walking gait of {design.robot.name}, spec {origin.spec}; {hashes}; "
+        f"Controller of a walking gait of {name}, spec {origin.spec}; {hashes}; "
         f"proof of gait and model, not of this code: {proof}"
     )
 

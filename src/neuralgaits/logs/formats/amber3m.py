@@ -2,18 +2,19 @@
 
 A row holds t [ms], five numbers of the robot's phase, the stance flag (1: the right leg), pitch
 and joint angles from left knee to right knee, their rates, desired angles and rates, torques,
-desired torques, and six positions. Signs and zeros are those of `PlanarBiped`. The robot writes no
+desired torques, and six positions. Signs and zeros are those of the theory. The robot writes no
 z. Source: the column list of the paper's public code.
 """
 
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.logs.formats.sheet import REPAIR, Text, sheet_of
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.walk_table import Log
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 
 _PHASE = ("t", "tau", "switchBack", "tau_d", "tau_a", "stance")
 COLUMNS = (
@@ -41,12 +42,12 @@ def recognised(text: Text) -> bool:
     return text.header[: len(_PHASE)] == _PHASE or text.width == len(COLUMNS)
 
 
-def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
+def read(text: Text, robot: SensedRobot) -> tuple[Log, Labels]:
     """Read the log of a recognised file.
 
     Raises: InputError for a robot of other joints, and for a broken row.
     """
-    if robot.n != _JOINTS + 1 or robot.torso is None:
+    if robot.n != _JOINTS + 1 or not robot.layout.torso:
         raise InputError(
             f"log {text.path}: expected a log of robot {robot.name} with {robot.n} links, found "
             "the AMBER-3M format, which has a torso and four joints: give a run of amber3m"
@@ -68,7 +69,7 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
         for start in (_ANGLES, _RATES, _DESIRED, _DESIRED_RATES, _TORQUES)
     )
     # Pitch is the sum of the coordinates up to the stance hip.
-    up = robot.link_angles[robot.torso, 1:]
+    up = np.asarray(robot.pitch_row(0))[1:]
     log = Log(
         t=table[:, 0] * 1e-3,  # From milliseconds.
         stance=leg,
@@ -99,7 +100,7 @@ def _stance_first(joints: Float[np.ndarray, "k 4"], leg: np.ndarray) -> Float[np
     return np.where(leg[:, None] == 0, joints, joints[:, ::-1])
 
 
-def _labels(robot: PlanarBiped) -> Labels:
+def _labels(robot: RobotFile) -> Labels:
     groups = {"q": _ANGLES, "dq": _RATES, "qd": _DESIRED, "dqd": _DESIRED_RATES, "tau": _TORQUES}
     labels = {
         f"{prefix}_{joint}": (COLUMNS[start + i], COLUMNS[start + _JOINTS - 1 - i])

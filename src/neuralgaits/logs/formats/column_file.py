@@ -24,7 +24,7 @@ from neuralgaits._inputs import refuse_unreadable, toml_of
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError, reason
 from neuralgaits.logs.formats.units import ANGLE, FORCE, RATE, SPEED, TIME, TORQUE, Dimension
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 
 PAGE = "the page 'Your own logs'"
 """Page of the documentation that describes both kinds of file."""
@@ -89,13 +89,13 @@ def _rate_of(key: str) -> str:
     return "pitch_rate" if key == "pitch" else f"rates.{key.removeprefix('joints.')}"
 
 
-def joints_of(robot: PlanarBiped) -> tuple[str, ...]:
+def joints_of(robot: RobotFile) -> tuple[str, ...]:
     """Return joints of the robot file, leg by leg; a hip that both legs share is listed once."""
     first, second = robot.layout.leg_joints
     return tuple(dict.fromkeys((*reversed(first), *reversed(second))))
 
 
-def read_columns(path: str | Path, robot: PlanarBiped) -> ColumnFile:
+def read_columns(path: str | Path, robot: RobotFile) -> ColumnFile:
     """Read the file that describes the columns of a robot's own log.
 
     Time, pitch, every joint and the contact of both feet are always present; pitch_rate and rates
@@ -146,7 +146,7 @@ def _content(path: Path) -> dict[str, Any]:
         ) from None
 
 
-def _tables(robot: PlanarBiped) -> dict[str, tuple[tuple[str, ...], Dimension]]:
+def _tables(robot: RobotFile) -> dict[str, tuple[tuple[str, ...], Dimension]]:
     """Return the names that each table may hold."""
     joints = joints_of(robot)
     return {
@@ -167,7 +167,7 @@ def _perhaps(word: str, names: Iterable[str]) -> str:
 
 
 def _refuse_name(
-    path: Path, robot: PlanarBiped, table: str, name: str, names: tuple[str, ...]
+    path: Path, robot: RobotFile, table: str, name: str, names: tuple[str, ...]
 ) -> None:
     what = {"contact": f"a foot of robot {robot.name}", "hip_velocity": "a direction"}
     above = name in PLAIN

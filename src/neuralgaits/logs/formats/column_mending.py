@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.logs.formats import mapped as mapped_format
@@ -21,7 +22,6 @@ from neuralgaits.logs.formats.column_file import ColumnFile, ColumnSource
 from neuralgaits.logs.formats.own_sheet import numbers
 from neuralgaits.logs.formats.sheet import Text
 from neuralgaits.logs.row_checks import check, check_times
-from neuralgaits.robots import PlanarBiped
 
 
 class _Change(NamedTuple):
@@ -36,7 +36,7 @@ class _Change(NamedTuple):
 class ColumnMending:
     """Search for the change of one sign or zero with which a log fits."""
 
-    def __init__(self, text: Text, robot: PlanarBiped, policy: AbstractPolicy | None):
+    def __init__(self, text: Text, robot: SensedRobot, policy: AbstractPolicy | None):
         """Keep the log, and the policy that walked, for outputs that the file lacks."""
         self._text = text
         self._robot = robot

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Bool
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.logs.formats import amber3m as amber3m_format
@@ -24,7 +25,6 @@ from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.outliers import outliers
 from neuralgaits.logs.row_checks import check
 from neuralgaits.logs.walk_table import Log
-from neuralgaits.robots import PlanarBiped
 
 
 class CleanedLog(NamedTuple):
@@ -38,7 +38,7 @@ class CleanedLog(NamedTuple):
 
 def read(
     path: str | Path,
-    robot: PlanarBiped,
+    robot: SensedRobot,
     *,
     columns: str | Path | ColumnFile | None = None,
     policy: AbstractPolicy | None = None,
@@ -74,7 +74,7 @@ def read(
 
 
 def _read_own(
-    text: Text, robot: PlanarBiped, file: ColumnFile, policy: AbstractPolicy | None
+    text: Text, robot: SensedRobot, file: ColumnFile, policy: AbstractPolicy | None
 ) -> CleanedLog:
     log, labels = mapped_format.read(text, robot, file, policy)
     try:
@@ -101,7 +101,7 @@ def _cleaned(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> CleanedL
     return CleanedLog(log.only(good & ~spikes), left_out)
 
 
-def _read_known(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
+def _read_known(text: Text, robot: SensedRobot) -> tuple[Log, Labels]:
     if si_format.recognised(text):
         return si_format.read(text, robot)
     if amber3m_format.recognised(text):
@@ -117,7 +117,7 @@ def _read_known(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
 
 def read_all(
     paths: Sequence[str | Path],
-    robot: PlanarBiped,
+    robot: SensedRobot,
     *,
     columns: str | Path | None = None,
     policy: AbstractPolicy | None = None,

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.logs.contacts import UNKNOWN, stance_legs
@@ -29,11 +30,10 @@ from neuralgaits.logs.sensor_readings import (
 )
 from neuralgaits.logs.strides import GAP_PERIODS, GAP_S, SETTLING_S
 from neuralgaits.logs.walk_table import Log
-from neuralgaits.robots import PlanarBiped
 
 
 def read(
-    text: Text, robot: PlanarBiped, columns: ColumnFile, policy: AbstractPolicy | None
+    text: Text, robot: SensedRobot, columns: ColumnFile, policy: AbstractPolicy | None
 ) -> tuple[Log, Labels]:
     """Read the log of a file with a robot's own columns.
 
@@ -123,12 +123,12 @@ def _rates(
 
 
 def _stance(
-    source: str, robot: PlanarBiped, columns: ColumnFile, arrays: SheetArrays
+    source: str, robot: SensedRobot, columns: ColumnFile, arrays: SheetArrays
 ) -> Int[np.ndarray, " k"]:
     """Find the stance leg, UNKNOWN at first. Raises: InputError if the contacts show none."""
     contact = arrays.contact
     stance = stance_legs(
-        robot.leg_length, arrays.t, contact, feet_apart(robot, arrays.pitch, arrays.angles)
+        robot.layout.leg_length, arrays.t, contact, feet_apart(robot, arrays.pitch, arrays.angles)
     )
     where = f"log {source}, columns {both_contacts(robot, columns)}"
     if np.all(stance == UNKNOWN):

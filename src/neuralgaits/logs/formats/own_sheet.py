@@ -10,7 +10,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.logs.contacts import loaded
 from neuralgaits.logs.formats.column_file import ColumnFile
 from neuralgaits.logs.formats.sheet import REPAIR, Text, sheet_of
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 
 _Columns = dict[str, Float[np.ndarray, " k"]]
 """Quantities by their key in the file of columns."""
@@ -46,7 +46,7 @@ class SheetArrays(NamedTuple):
     """Contact flags of both feet."""
 
 
-def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> SheetArrays:
+def numbers(text: Text, robot: RobotFile, columns: ColumnFile) -> SheetArrays:
     """Read the numbers of a file.
 
     Raises: InputError for a missing column, a broken row, and a contact that is neither 0 nor 1.
@@ -133,7 +133,7 @@ def _contact(
     columns: ColumnFile,
     quantities: _Columns,
     rows: Int[np.ndarray, " k"],
-    robot: PlanarBiped,
+    robot: RobotFile,
     foot: str,
 ) -> Bool[np.ndarray, " k"]:
     """Return whether a foot is on the ground. [k]."""

@@ -3,15 +3,15 @@
 from neuralgaits.logs.formats.column_file import ColumnFile, ColumnSource, joints_of
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.rates import HALF_WINDOWS_S
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 
 
-def both_contacts(robot: PlanarBiped, columns: ColumnFile) -> str:
+def both_contacts(robot: RobotFile, columns: ColumnFile) -> str:
     """Return the names of the contact columns of both feet."""
     return " and ".join(columns.sources[f"contact.{foot}"].column for foot in robot.layout.feet)
 
 
-def computed(robot: PlanarBiped, columns: ColumnFile) -> tuple[str, ...]:
+def computed(robot: RobotFile, columns: ColumnFile) -> tuple[str, ...]:
     """Describe the quantities that the file lacks and that are computed."""
     shortest, longest = HALF_WINDOWS_S
     window = f"{2e3 * shortest:g} to {2e3 * longest:g} ms, as long as the noise asks for"
@@ -31,7 +31,7 @@ def computed(robot: PlanarBiped, columns: ColumnFile) -> tuple[str, ...]:
     return tuple(sources)
 
 
-def labels_of(robot: PlanarBiped, columns: ColumnFile) -> Labels:
+def labels_of(robot: RobotFile, columns: ColumnFile) -> Labels:
     """Return the log's names of the quantities."""
     first, second = robot.layout.leg_joints
 
@@ -48,7 +48,7 @@ def labels_of(robot: PlanarBiped, columns: ColumnFile) -> Labels:
     tables = {"q": "joints", "dq": "rates", "qd": "desired", "dqd": "desired_rates"}
     for prefix, table in {**tables, "tau": "torques"}.items():
         orders = [(*own, *reversed(other)) for own, other in ((first, second), (second, first))]
-        if robot.torso is None:
+        if not robot.layout.torso:
             orders = [(*order[: len(first)], *order[len(first) + 1 :]) for order in orders]
         for i, joint in enumerate(robot.joint_names[1:]):
             labels[f"{prefix}_{joint}"] = (

@@ -16,7 +16,7 @@ from neuralgaits.logs.formats.column_file import PAGE
 from neuralgaits.logs.formats.sheet import Text, sheet_of
 from neuralgaits.logs.labels import Labels, same_for_both_legs
 from neuralgaits.logs.walk_table import Column, Log, columns
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.runs import write_text
 
 _HEADER = re.compile(r"^(?P<name>[^\[\]]+)\[(?P<unit>[^\[\]]*)\]$")
@@ -54,7 +54,7 @@ def recognised(text: Text) -> bool:
     return bool(text.header) and all(_HEADER.match(cell) for cell in text.header)
 
 
-def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
+def read(text: Text, robot: RobotFile) -> tuple[Log, Labels]:
     """Read the log of a recognised file; columns have any order, unknown ones are ignored.
 
     Raises: InputError for a column that is missing, twice there or of another unit, and for a
@@ -65,7 +65,8 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
     sheet = sheet_of(text, text.header)
     place = {name: i for i, name in enumerate(text.header)}
     table = sheet.numbers[:, [place[_head(head)] for head in heads]]
-    n, m = robot.n, robot.n - 1
+    n = len(robot.joint_names)
+    m = n - 1
     widths = (1, 1, n, n, m, m, m, 2, 1, 1)
     t, stance, q, dq, qd, dqd, tau, z, pitch, dpitch = np.split(
         table, np.cumsum(widths)[:-1], axis=1
@@ -94,7 +95,7 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
     return log, labels
 
 
-def missing(text: Text, robot: PlanarBiped) -> str:
+def missing(text: Text, robot: RobotFile) -> str:
     """List in words the columns of the format that a file lacks."""
     heads = [_head(head) for head in columns(robot.joint_names, plant=False)]
     return _some([head for head in heads if head not in text.header])
@@ -108,7 +109,7 @@ def _some(heads: list[str]) -> str:
     )
 
 
-def _check_header(text: Text, robot: PlanarBiped, heads: tuple[Column, ...]) -> None:
+def _check_header(text: Text, robot: RobotFile, heads: tuple[Column, ...]) -> None:
     units: dict[str, str] = {}
     for column, cell in enumerate(text.header, start=1):
         head = _HEADER.match(cell)

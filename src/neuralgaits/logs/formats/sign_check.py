@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.logs.formats import mapped as mapped_format
@@ -19,13 +20,12 @@ from neuralgaits.logs.formats.sheet import Text
 from neuralgaits.logs.momentum_balance import landing_height, momentum_misfit
 from neuralgaits.logs.row_checks import check
 from neuralgaits.logs.walk_table import Log
-from neuralgaits.robots import PlanarBiped
 
 
 class SignCheck:
     """The search for other signs with which a log fits the weight."""
 
-    def __init__(self, text: Text, robot: PlanarBiped, policy: AbstractPolicy | None):
+    def __init__(self, text: Text, robot: SensedRobot, policy: AbstractPolicy | None):
         """Keep the log, and the policy that walked, for outputs that the file lacks."""
         most_rows = 6000  # Rows of a log that other signs are tried on.
         self._text = replace(text, cells=text.cells[:most_rows])
@@ -88,7 +88,7 @@ class SignCheck:
         # Height of a foot that lands up to which there is none, in leg lengths: zeros, uneven
         # floors.
         landing = 0.03
-        lands = landing * float(self._robot.leg_length)
+        lands = landing * self._robot.layout.leg_length
         usual_share = 0.3  # Of the momentum's balance.
         return _Doubt(off, height, max((off or 0.0) / usual_share, height / lands))
 

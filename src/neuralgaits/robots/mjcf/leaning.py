@@ -31,15 +31,18 @@ class LeanSeries(NamedTuple):
     """Im b [kg m]."""
 
 
-def leaning_robot(robot: PlanarBiped, lean: Scalar | float) -> PlanarBiped:
+def leaning_robot(robot: PlanarBiped, lean: Scalar | float | None) -> PlanarBiped:
     """Return the robot with its torso's centre of mass moved across the torso.
 
     Args:
         robot: robot of a file, whose torso has the masses of the file.
-        lean: how far ahead of the file's the centre of mass is when the torso is upright (m).
+        lean: how far ahead of the file's the centre of mass is when the torso is upright (m);
+            None for the robot as it is.
 
     Raises: InputError if the robot has no torso.
     """
+    if lean is None:
+        return robot
     if robot.torso is None:
         raise InputError(f"expected a robot with a torso to lean, found {robot.name}")
     dtype = jnp.result_type(robot.mass)

@@ -22,8 +22,8 @@ from neuralgaits._printable import printable
 from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import derive, registry
 from neuralgaits.robots.biped import PlanarBiped
-from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.feet import FlatFeet
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names

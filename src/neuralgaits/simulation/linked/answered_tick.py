@@ -11,22 +11,21 @@ from jax.flatten_util import ravel_pytree
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.control import ControllerState, TickResult
-from neuralgaits.control.measurement import Measurement, coordinates, stance_joints
+from neuralgaits.control.measurement import Measurement, SensedRobot, coordinates, stance_joints
 from neuralgaits.control.touchdown import StanceState
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.wire import Answer
 from neuralgaits.simulation.ticks.scene import Scene
 from neuralgaits.simulation.ticks.sensors import sense
 from neuralgaits.simulation.ticks.tick import begin, estimated, judge_and_record
 
 
-def sizes_of(robot: PlanarBiped, commands: int) -> tuple[int, ...]:
+def sizes_of(robot: SensedRobot, commands: int) -> tuple[int, ...]:
     """Return the lengths of the parts of an answer's numbers, in their order."""
     legs, m = 2 * (robot.n // 2), robot.n - 1
     return legs, legs, m, m, m, 2, 2 * commands, 2
 
 
-def silent(robot: PlanarBiped, first: Float[np.ndarray, " p"]) -> Float[np.ndarray, " a"]:
+def silent(robot: SensedRobot, first: Float[np.ndarray, " p"]) -> Float[np.ndarray, " a"]:
     """Return the numbers of a controller that has not answered yet, at its first commands."""
     *before, _, times = sizes_of(robot, len(first))
     return np.concatenate([np.zeros(sum(before)), first, first, np.zeros(times)])

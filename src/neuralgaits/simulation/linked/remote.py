@@ -16,7 +16,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures, LinkTimes
-from neuralgaits.robots import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.simulation.linked.answered_tick import answered_tick, row_of, silent, sizes_of
 from neuralgaits.simulation.linked.channel import Channel
 from neuralgaits.simulation.linked.config import LinkConfig

@@ -15,7 +15,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.errors import InputError, reason
-from neuralgaits.robots import MjcfLayout
+from neuralgaits.robots.layout import MjcfLayout
 
 _HEAD = struct.Struct("<4sIII")
 _START_TIMEOUT_S = 10.0

@@ -7,12 +7,12 @@ import numpy as np
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array
 from neuralgaits.control import Measurement, TickResult
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.simulation.ticks.sensors import true_z
 from neuralgaits.simulation.ticks.tick import TickRecord
 
 
-def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> TickRecord:
+def record_of(rows: np.ndarray, plant_robot: SensedRobot) -> TickRecord:
     """Return a `TickRecord` with a leading axis of ticks.
 
     Args:
@@ -45,7 +45,7 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> TickRecord:
 
 
 @quick_filter_jit
-def _plant_z(robot: PlanarBiped, truth: Measurement, leg: Array) -> Array:
+def _plant_z(robot: SensedRobot, truth: Measurement, leg: Array) -> Array:
     return jax.vmap(lambda one, stance: true_z(robot, one, stance))(truth, leg)
 
 

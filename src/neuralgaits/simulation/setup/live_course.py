@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses, joined
 from neuralgaits.simulation.setup.terrain_kinds import Size, endless, resized, sizes_of
@@ -25,7 +25,7 @@ class LiveCourse:
     def __init__(
         self,
         terrain: str,
-        robot: PlanarBiped,
+        robot: SensedRobot,
         steady: AbstractPolicy,
         base: CommandSchedule,
         seed: int = 0,

@@ -12,9 +12,10 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError, RobotError
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.simulation.setup.changed_model import ModelParts, change_model, shift_weight
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -49,7 +50,7 @@ class Plant:
         course: course of blocks; None for floors.
     """
 
-    robot: PlanarBiped
+    robot: SensedRobot
     model: mujoco.MjModel
     disturbance: PlantChanges
     state_map: StateMap
@@ -80,7 +81,7 @@ def substeps_of(disturbance: PlantChanges) -> int:
 
 
 def build(
-    robot: PlanarBiped, disturbance: PlantChanges | None = None, course: Course | None = None
+    robot: SensedRobot, disturbance: PlantChanges | None = None, course: Course | None = None
 ) -> Plant:
     """Compile the plant of a robot, on floors, or on the blocks of a course.
 
@@ -106,7 +107,7 @@ def build(
     _disturb(model, robot, disturbance)
     state_map = StateMap.build(model, layout)
     add_drives(model, np.asarray(state_map.actuators), disturbance)
-    limit = robot.torque_limit
+    limit = np.asarray(robot.torque_limit)
     if disturbance.torque_limit is not None:
         limit = np.minimum(limit, disturbance.torque_limit)
     return Plant(
@@ -123,7 +124,7 @@ def build(
 def _add_floors(
     spec: mujoco.MjSpec,
     geometry: mujoco.MjModel,
-    robot: PlanarBiped,
+    robot: RobotFile,
     disturbance: PlantChanges,
     course: Course | None,
 ) -> None:
@@ -190,7 +191,7 @@ def _planes(spec: mujoco.MjSpec):
     return (geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE)
 
 
-def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: PlantChanges) -> None:
+def _disturb(model: mujoco.MjModel, robot: RobotFile, disturbance: PlantChanges) -> None:
     layout = robot.layout
     names = sorted({name for leg in layout.leg_joints for name in leg})
     gears = {
@@ -206,7 +207,7 @@ def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: PlantChange
     friction = robot.friction if disturbance.friction is None else disturbance.friction
     change_model(model, parts, disturbance, float(friction))
     if disturbance.torso_shift_m:
-        if robot.torso is None:
+        if not layout.torso:
             raise InputError(f"disturbance torso_shift_m: robot {robot.name} has no torso to shift")
         root = int(model.jnt_bodyid[model.joint(layout.root_joints[2]).id])
         shift_weight(model, root, np.array([disturbance.torso_shift_m, 0.0, 0.0]))

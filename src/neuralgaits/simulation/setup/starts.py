@@ -10,7 +10,10 @@ from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.poincare_map import poincare
+from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
+from neuralgaits.control.controlled_gait import ControlledGait
+from neuralgaits.control.joint_model import JointModel
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 from neuralgaits.gait.commands import CommandLimits, Commands, Pair
@@ -56,6 +59,17 @@ def full_states(
 def periodic_orbit(zd: ZeroDynamics, gait: Gait) -> Orbit:
     """Return the gait's periodic orbit, from a search that starts at the centre of its region."""
     return poincare(zd, gait.z(jnp.array([0.5, 0.5])))
+
+
+def controlled_gait(run: Run, joints: JointModel | None = None) -> ControlledGait:
+    """Return the gait of a run for its controllers; a family takes its commands.
+
+    Args:
+        run: the run.
+        joints: rotors and friction that torques are for, those of the run's robot if None.
+    """
+    trained = run.trained
+    return ControlledGait(run.robot, trained, momentum_range(trained), run.residuals.reset, joints)
 
 
 def momentum_range(gait: AnyGait) -> tuple[float, float]:

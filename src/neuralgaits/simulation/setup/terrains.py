@@ -10,12 +10,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, command_named, place_of
-from neuralgaits.gait.policies.step_ends import with_hip_at
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses, stones_at
 from neuralgaits.simulation.setup.stones_file import ROUNDING_M, stones_of_file
@@ -28,7 +27,7 @@ _SPARE = 2
 
 def courses_of(
     terrain: str,
-    robot: PlanarBiped,
+    robot: SensedRobot,
     steady: AbstractPolicy,
     base: CommandSchedule,
     *,
@@ -64,12 +63,13 @@ def courses_of(
     return Courses(each, replace(base, first=first, table=first[None]), float(robot.foot_radius))
 
 
-def _step_length(robot: PlanarBiped, steady: AbstractPolicy) -> float:
+def _step_length(robot: SensedRobot, steady: AbstractPolicy) -> float:
     """Return the length of steps under a constant command [m]."""
     z1 = jnp.asarray(steady.z1_range[1], dtype=float)
     # At the guard the outputs do not depend on the momentum.
     outputs = steady(jnp.stack([z1, jnp.ones_like(z1)]))
-    return float(swing_foot(robot, with_hip_at(robot, z1, outputs))[0])
+    posture = ZeroCoordinates(robot).lift(jnp.reshape(z1, 1), outputs)
+    return float(robot.swing_foot(posture)[0])
 
 
 def _first_told(

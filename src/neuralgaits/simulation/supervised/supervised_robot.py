@@ -15,9 +15,8 @@ from neuralgaits._types import Float
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.errors import InputError
 from neuralgaits.export.design import Design
-from neuralgaits.export.standing import standing_postures
 from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.standing import standing_postures
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.supervised.supervisor_library import (
@@ -79,7 +78,8 @@ class SupervisedRobot:
             drives: whether drives close a loop of their own; without, they give the torques of
                 the tick alone.
         """
-        self.plant = build(design.robot, disturbance)
+        self._design = design
+        self.plant = build(design.controller.robot, disturbance)
         self.data = mujoco.MjData(self.plant.model)
         self._drives = drives
         self._joints = self.plant.state_map.joints
@@ -105,7 +105,7 @@ class SupervisedRobot:
         Raises: InputError if the robot has no standing posture and none is given.
         """
         robot, state_map = self.plant.robot, self.plant.state_map
-        q = _standing(robot) if q is None else q
+        q = _standing(self._design) if q is None else q
         place = (0.0, float(robot.foot_radius))
         mujoco.mj_resetData(self.plant.model, self.data)
         self.data.qpos[:], self.data.qvel[:] = state_map.to_mjcf(q, np.zeros_like(q), front, place)
@@ -163,8 +163,9 @@ class SupervisedRobot:
             mujoco.mj_step(self.plant.model, data)
 
 
-def _standing(robot: PlanarBiped) -> Float[np.ndarray, " n"]:
+def _standing(design: Design) -> Float[np.ndarray, " n"]:
     """Return the standing posture of a robot (rad). Raises: InputError if it has none."""
+    robot = design.controller.robot
     postures = standing_postures(robot)
     if postures is None:
         raise InputError(

@@ -6,7 +6,7 @@ from typing import Any
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Bool, Int, Scalar
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.robot_file import RobotFile
 
 
 class Ending(IntEnum):
@@ -54,7 +54,7 @@ STALL = 10.0
 
 
 def ending(
-    robot: PlanarBiped,
+    robot: RobotFile,
     *,
     hip_height: Scalar,
     pitch: Scalar | float,
@@ -78,11 +78,11 @@ def ending(
 
     Returns: an `Ending` as an integer.
     """
-    leg_length = xp.sum(robot.hip)
+    leg_length = robot.layout.leg_length
     longest_step = STALL * xp.sqrt(leg_length / robot.gravity)
     state = xp.where(steps_left <= 0, Ending.WALKED, Ending.RUNNING)
     state = xp.where(since_touchdown > longest_step, Ending.STALLED, state)
-    if robot.torso is not None:
+    if robot.layout.torso:
         state = xp.where(xp.abs(pitch) > TORSO_RAD, Ending.TORSO, state)
     state = xp.where(hip_height < HIP_SHARE * leg_length, Ending.LOW_HIP, state)
     state = xp.where(in_gap, Ending.GAP, state)

@@ -10,8 +10,9 @@ from neuralgaits.control import (
     Controller,
 )
 from neuralgaits.control.estimator_poles import Estimator
+from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.gait.commands import CommandLimits
-from neuralgaits.robots import MjcfLayout, PlanarBiped
+from neuralgaits.robots.layout import MjcfLayout
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.plant import Plant
 
@@ -55,7 +56,7 @@ class Scene(eqx.Module):
     """
 
     controller: Controller
-    plant_robot: PlanarBiped
+    plant_robot: SensedRobot
     slope: Float[Array, ""]
     noise: Float[Array, "3"]
     pitch_offset: Float[Array, ""]

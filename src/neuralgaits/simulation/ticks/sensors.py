@@ -9,9 +9,8 @@ from neuralgaits._types import Array, Float, Int, Planar, Scalar, ZeroState
 from neuralgaits.control import (
     Measurement,
 )
-from neuralgaits.control.measurement import coordinates, stance_foot_velocity
+from neuralgaits.control.measurement import SensedRobot, coordinates, stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.wiring import measure
 
@@ -64,7 +63,7 @@ def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
     return measured._replace(pitch=to_steps(measured.pitch), angles=to_steps(measured.angles))
 
 
-def true_z(robot: PlanarBiped, truth: Measurement, leg: Int[Array, ""]) -> ZeroState:
+def true_z(robot: SensedRobot, truth: Measurement, leg: Int[Array, ""]) -> ZeroState:
     """Return z of a robot that stands on `leg` (m, kg m^2/s). Returns: [2]."""
     q, dq = coordinates(robot, truth, leg)
     z, _ = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, truth))

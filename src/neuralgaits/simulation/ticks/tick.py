@@ -23,7 +23,6 @@ from neuralgaits.control.estimator import start as start_estimator
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.lean_sums import LeanSums
 from neuralgaits.gait.commands import LEAN, place_of
-from neuralgaits.robots.dynamics import hip_position, swing_foot
 from neuralgaits.simulation.setup.drives import held_by_drives
 from neuralgaits.simulation.ticks.falls import ending
 from neuralgaits.simulation.ticks.gauge import Gauge
@@ -225,8 +224,8 @@ class _Place(NamedTuple):
 
 def _place(scene: Scene, result: TickResult, hip: Float[Array, "2"]) -> _Place:
     controller = scene.controller
-    ahead, up = swing_foot(controller.robot, result.q)
-    stance = hip - hip_position(controller.robot, result.q)
+    ahead, up = controller.robot.swing_foot(result.q)
+    stance = hip - controller.robot.hip_position(result.q)
     feet = jnp.stack([stance, stance + jnp.stack([ahead, up])])
     height = place_of(controller.policy.commands, "step_height")
     rise = jnp.zeros(()) if height is None else result.commands[1, height]
