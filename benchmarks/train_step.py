@@ -17,6 +17,7 @@ from common import show
 from neuralgaits.barriers import specs
 from neuralgaits.barriers.paper import BATCH
 from neuralgaits.robots import load_robot
+from neuralgaits.robots.mjcf.parameters import model_of
 from neuralgaits.training import Trainer
 from neuralgaits.training.trainer import samplers_of
 
@@ -40,7 +41,8 @@ def main() -> None:
         spec = specs.load(name, robot)
         gait = spec.new_gait(jax.random.key(0), "posture", None)
         start_time = time.perf_counter()
-        trainer = Trainer.build(robot, spec, gait, steps=spec.recipe.steps, seed=0)
+        model = model_of(robot, spec.parameters)
+        trainer = Trainer.build(model, spec, gait, steps=spec.recipe.steps, seed=0)
         state = trainer.init(gait)
         jax.block_until_ready(trainer.step(state))
         compiled = time.perf_counter() - start_time

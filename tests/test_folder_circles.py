@@ -8,7 +8,7 @@ from pathlib import Path
 import neuralgaits
 
 ROOT = Path(neuralgaits.__file__).parent
-COPIES = ("demo_run", "demo_speed_run")
+COPIES = ("demo_run", "demo_speed_run", "demo_lean_run")
 """Copies of a spec, which are not imported."""
 
 

@@ -1,9 +1,9 @@
 """Make the run that `neuralgaits demo` shows: train it, prove it to level 3, keep what is read.
 
 `.venv/bin/python tools/make_demo.py` replaces src/neuralgaits/demo_run; a minute or two.
-With `--speed` it replaces demo_speed_run, the gait that is told its speed: millions of boxes, some
-five minutes more, in a proof that is packed. With `--again` the weights stay: the copy of the spec
-is made anew, and so is the proof.
+With `--speed` it replaces demo_speed_run, the gait that is told its speed, with `--lean`
+demo_lean_run, the gait that learns the torso's lean; their proofs are packed. With `--again` the
+weights stay: the copy of the spec is made anew, and so is the proof.
 """
 
 import gzip
@@ -14,6 +14,7 @@ import shutil
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from neuralgaits._environment import prepare
 from neuralgaits.runs.packed import packed
@@ -21,11 +22,12 @@ from neuralgaits.runs.packed import packed
 ROBOT = "amber3m"
 SEED = 0
 LEVEL = 3
-NAME = "demo_run"
-COMMANDED = "demo_speed_run"
-"""The run that takes a command for its speed."""
-SPEED = (0.55, 0.90)
-"""Range of its speed [m/s]."""
+RUNS: dict[str, tuple[str, dict[str, Any]]] = {
+    "": ("demo_run", {}),
+    "--speed": ("demo_speed_run", {"speed": (0.55, 0.90)}),
+    "--lean": ("demo_lean_run", {"speed": 0.7, "lean": (-0.03, 0.03)}),
+}
+"""Name of each run and its ranges [m/s, m], by option."""
 KEPT = (
     "config.json",
     "metrics.csv",
@@ -45,9 +47,8 @@ LARGEST_BYTES = 500_000
 def main() -> None:
     """Train and prove in a folder of its own: paths in the run's summaries are then relative."""
     prepare()
-    commanded = "--speed" in sys.argv[1:]
     again = "--again" in sys.argv[1:]
-    name = COMMANDED if commanded else NAME
+    name, ranges = RUNS[next((one for one in sys.argv[1:] if one != "--again"), "")]
     target = Path(__file__).resolve().parents[1] / "src" / "neuralgaits" / name
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
@@ -55,7 +56,7 @@ def main() -> None:
         if again:
             _copy(target, run)
         else:
-            _train(run, SPEED if commanded else None)
+            _train(run, ranges)
         _prove(run)
         shutil.rmtree(target, ignore_errors=True)
         for file in KEPT:
@@ -69,11 +70,11 @@ def main() -> None:
                 packed(target / file).write_bytes(gzip.compress(content, 9, mtime=0))
 
 
-def _train(run: Path, speed: tuple[float, float] | None) -> None:
+def _train(run: Path, ranges: dict[str, Any]) -> None:
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.train import train
 
-    train(load_robot(ROBOT), seed=SEED, speed=speed, out=run, root=Path("runs"))
+    train(load_robot(ROBOT), seed=SEED, **ranges, out=run, root=Path("runs"))
 
 
 def _copy(target: Path, run: Path) -> None:

@@ -23,7 +23,7 @@ from neuralgaits.workflows import demo
 from neuralgaits.workflows.view import view
 
 PROOF = demo.FOLDER / "certificate" / "proof.json"
-LARGEST_BYTES = {demo.FOLDER: 400_000, demo.TOLD: 600_000}
+LARGEST_BYTES = {demo.FOLDER: 400_000, demo.TOLD: 600_000, demo.BELIEVED: 600_000}
 
 
 def test_its_proof_is_about_its_robot_weights_and_spec():
@@ -50,6 +50,22 @@ def test_the_gait_that_is_told_its_speed_is_proved_for_all_of_its_range():
     assert sure.certified and sure.words.startswith("Proved, to level 3")
 
 
+def test_the_gait_that_learns_a_lean_is_proved_for_all_beliefs_and_robots_near_them():
+    run = open_run(demo.BELIEVED)
+    (lean,) = run.trained.commands
+    assert (lean.name, lean.low, lean.high) == ("lean", -0.03, 0.03)
+    assert all(found.max_violation == 0.0 for found in run.summary.conditions.values())
+    claims = read_claims(demo.BELIEVED / "certificate" / "proof.json")
+    assert differences(claims, demo.BELIEVED) == []
+    assert claims.theorems.claimed == (2, 3)
+    assert (
+        differences_of_program(claims, describe_run(demo.BELIEVED, claims.theorems, claims.chart))
+        == []
+    )
+    sure = how_sure(run)
+    assert sure.certified and sure.words.startswith("Proved, to level 3")
+
+
 @pytest.mark.parametrize("folder", LARGEST_BYTES)
 def test_it_is_small_and_knows_no_machine(folder):
     files = [file for file in folder.rglob("*") if file.is_file()]
@@ -63,11 +79,17 @@ def test_it_is_small_and_knows_no_machine(folder):
 def test_a_package_without_it_says_so(monkeypatch, tmp_path):
     monkeypatch.setattr(demo, "FOLDER", tmp_path)
     monkeypatch.setattr(demo, "TOLD", tmp_path)
-    for speed in (False, True):
+    monkeypatch.setattr(demo, "BELIEVED", tmp_path)
+    for which in ({}, {"speed": True}, {"lean": True}):
         with pytest.raises(
             RunError, match=r"expected the shipped run .* `neuralgaits view latest`"
         ):
-            demo.demo(speed=speed)
+            demo.demo(**which)
+
+
+def test_two_gaits_at_once_are_refused():
+    with pytest.raises(InputError, match="expected --speed or --lean, found both"):
+        demo.demo(speed=True, lean=True)
 
 
 @pytest.mark.parametrize(

@@ -178,6 +178,9 @@ class DemoOptions:
 
     speed: Flag = False
     """Another gait: a slider commands its speed, and it is proved for the whole range."""
+    lean: Flag = False
+    """Another gait: it learns where the torso's weight is while it walks. It is proved for every
+    sequence of beliefs and all robots near them."""
     page: Annotated[PageOptions, arg(name="")] = PageOptions()
     output: Output = OutputOptions()
 

@@ -27,7 +27,7 @@ def carry_out_demo(verb: DemoOptions) -> Outcome:
     from neuralgaits.workflows.demo import demo
 
     with WorkProgress("putting the robot onto its feet", quiet=verb.output.json):
-        live = demo(speed=verb.speed, **_place(verb.page))
+        live = demo(speed=verb.speed, lean=verb.lean, **_place(verb.page))
     return _served(live, verb.page)
 
 
