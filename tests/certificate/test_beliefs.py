@@ -130,7 +130,7 @@ def proved(tmp_path_factory):
     assert done.verdict == "proved"
     assert done.summary.parameters == {"lean": 0.003}
     assert done.summary.all_robots is not None
-    assert "within 3mm of where it believes it" in done.summary.all_robots
+    assert "within 3 mm of where it believes it" in done.summary.all_robots
     return run
 
 

@@ -9,6 +9,7 @@ import pytest
 from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
+from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.live_gait import LiveGait
 from neuralgaits.viewer.plant_sliders import command_slider
 from support.commanded_run import LEANS, make
@@ -149,6 +150,27 @@ def test_a_belief_is_adapted_from_the_start(gait, leaning):
         assert leaning.tick()
     lean = leaning.shown().lean
     assert lean is not None and lean.believed == pytest.approx(lean.true, abs=1e-3)
+
+
+def test_a_moved_torso_is_said_once(leaning):
+    """By the line of the belief, if the proof is about beliefs; the bars are grey meanwhile."""
+    about = "every robot whose lean is within 3 mm of its belief"
+    leaning.reset()
+    leaning.disturb("torso_shift_m", 0.03)
+    leaning.watch_with(None, None, about)
+    leaning.tick()
+    shown = leaning.shown()
+    assert shown.changed and shown.off_proof.startswith("Changed: torso's weight ahead 30 mm")
+    leaning.watch_with(None, 0.003, about)
+    shown = leaning.shown()
+    assert shown.changed and shown.off_proof == ""
+    assert "nothing is proved now" in lean_html(shown.lean)
+    leaning.disturb("mass_scale", 1.5)
+    assert leaning.shown().off_proof.startswith("Changed: mass × 1.5. ")
+    leaning.disturb("mass_scale", 1.0)
+    leaning.disturb("torso_shift_m", 0.0)
+    leaning.watch_with(None)
+    leaning.reset()
 
 
 def test_sliders_of_commands_are_in_units_that_a_visitor_knows(leaning):

@@ -199,7 +199,7 @@ def test_a_changed_floor_or_robot_is_said_and_no_answer_is_green(shipped, gait):
             3,
             {"floor": 0.002},
             (),
-            "the robot of its file, on floors with footholds up to 2mm higher or lower than meant",
+            "the robot of its file, on floors with footholds up to 2 mm higher or lower than meant",
         ),
         (0, {}, (), ""),
     ],

@@ -20,12 +20,15 @@ Verdict = Literal["proved", "refuted", "undecided"]
 
 def box_in_words(parameters: Mapping[str, float]) -> str:
     """Write a box of robots for people, `mass=2%,com=5mm`, with every digit; empty if no box."""
+    sizes = ((name, *_size(name, half)) for name, half in parameters.items())
+    return ",".join(f"{name}={number}{unit}" for name, number, unit in sizes)
+
+
+def _size(name: str, half: float) -> tuple[str, str]:
+    """Return one size of a box of robots with every digit, and its unit."""
     units = {"com": (1000, "mm"), "floor": (1000, "mm"), "lean": (1000, "mm"), "friction": (1, "")}
-    sizes = ((name, half, *units.get(name, (100, "%"))) for name, half in parameters.items())
-    return ",".join(
-        f"{name}={(scale * Decimal(repr(float(half)))).normalize():f}{unit}"
-        for name, half, scale, unit in sizes
-    )
+    scale, unit = units.get(name, (100, "%"))
+    return f"{(scale * Decimal(repr(float(half)))).normalize():f}", unit
 
 
 @dataclass(frozen=True)
@@ -189,7 +192,7 @@ class CertificateRecord(Record):
         if (lean := self.parameters.get("lean")) is not None:
             return (
                 "whose torso's centre of mass stays within "
-                f"{box_in_words({'lean': lean}).partition('=')[2]} of where it believes it at each "
+                f"{' '.join(_size('lean', lean))} of where it believes it at each "
                 "touchdown"
             )
         return None if self.robots is None else f"within {self.robots} of the file's"
@@ -202,7 +205,7 @@ class CertificateRecord(Record):
             "friction": "a coefficient of friction of {} or more",
         }
         parts = [
-            sentences[kind].format(box_in_words({kind: self.parameters[kind]}).partition("=")[2])
+            sentences[kind].format(" ".join(_size(kind, self.parameters[kind])).strip())
             for kind in GROUND
             if kind in self.parameters
         ]

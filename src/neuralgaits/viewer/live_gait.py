@@ -22,7 +22,7 @@ from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.setup.starts import controlled_gait
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending
-from neuralgaits.viewer.believed_lean import LeanMarks, lean_of
+from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.plant_changes import changed_settings, off_proof_words
 from neuralgaits.viewer.plant_sliders import AHEAD, command_slider, plant_sliders
@@ -185,7 +185,11 @@ class LiveGait:
             self._beliefs_within,
             doubted=LEAN in live.control.doubted,
         )
-        changes = self._changes(lean)
+        near = lean is not None and (lean.covered or abs(lean.true - lean.believed) < _LEAN)
+        # The proof is about robots that lean as they believe, or so nearly.
+        changes = self._changes(torso=not near)
+        # The line of a belief says by itself when the proof is about no such torso.
+        said = self._changes(torso=False) if lean is not None and lean.proved_within else changes
         return WalkFrame(
             time=live.time,
             walked=live.time - self._begun,
@@ -205,15 +209,18 @@ class LiveGait:
             speeds=live.control.speeds,
             lean=lean,
             memberships=() if self._monitor is None else self._monitor.memberships(),
-            off_proof=off_proof_words(changes, self._proved_of),
+            off_proof=off_proof_words(said, self._proved_of),
             changed=bool(changes),
         )
 
-    def _changes(self, lean: LeanMarks | None) -> tuple[str, ...]:
-        """Return how robot and floor differ from those of margins and proof; () if they do not."""
+    def _changes(self, *, torso: bool) -> tuple[str, ...]:
+        """Return how robot and floor differ from those of margins and proof; () if they do not.
+
+        Args:
+            torso: whether a torso whose centre of mass was moved is a difference.
+        """
         settings = dict(self.settings)
-        if lean is not None and (lean.covered or abs(lean.true - lean.believed) < _LEAN):
-            # The proof is about robots that lean as they believe, or so nearly.
+        if not torso:
             settings.pop(AHEAD, None)
         place = place_of(self.run.trained.commands, SLOPE)
         slope = None if place is None else float(self.live.commands[1][place])
