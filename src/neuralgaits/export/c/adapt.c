@@ -240,6 +240,17 @@ static int believes_anew(const ng_adapt *adapt, const ng_state *state)
     return 0;
 }
 
+void ng_adapt_first(const ng_real told[NG_COMMANDS], ng_real first[NG_COMMANDS])
+{
+    for (int i = 0; i < NG_COMMANDS; ++i) {
+        first[i] = told[i];
+    }
+#if NG_LEAN_COMMAND && NG_SPEED_COMMAND
+    const ng_real middle = NG(0.5) * (LOW + HIGH);
+    first[SPEED] = told[SPEED] > middle ? told[SPEED] : middle; /* of a NaN, too */
+#endif
+}
+
 void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS])
 {
     const ng_adapt fresh = {0};
