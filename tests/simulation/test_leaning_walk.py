@@ -115,11 +115,12 @@ def wanted_speeds(run, names, beliefs, lean):
 def test_a_walk_begins_no_slower_than_the_middle_and_is_recorded_as_told(tmp_path):
     """Under both engines; the next touchdown turns to what is told."""
     both, told = make(tmp_path / "run", NARROW, LEANS), {"speed": NARROW.low, "lean": 0.0}
-    for engine, adapt, first in (
+    walks: Any = (
         ("native", "speed,lean", NARROW.middle),
         ("native", "speed", NARROW.low),
         ("jax", "speed,lean", NARROW.middle),
-    ):
+    )
+    for engine, adapt, first in walks:
         found = simulate(both, command=told, adapt=adapt, steps=2, engine=engine)
         strides = found.walk.episodes.strides[0]
         assert found.summary.command == told

@@ -80,7 +80,9 @@ class TrainedWalks(WalkOptions):
             remote: controller processes that give the torques in the law's place.
         """
         schedule = self._schedule
-        run = self.run if schedule is self.schedule else at_first(self.run, schedule.first)
+        run = self.run
+        if schedule is not None and schedule is not self.schedule:
+            run = at_first(run, schedule.first)
         gait = run.gait
         options = {one.name: getattr(self, one.name) for one in fields(WalkOptions)}
         options |= {"controller": self.law, "schedule": schedule}
