@@ -52,7 +52,10 @@ static void run(void)
 #endif
 #if ADAPT
     ng_adapt adapt;
-    ng_adapt_start(&adapt, requested);
+    ng_real first[NG_COMMANDS];
+    ng_adapt_first(requested, first);
+    ng_start_at(&supervisor.state, 0, first);
+    ng_adapt_start(&adapt, first);
 #endif
     while (board_enabled()) {
         /* A late tick is one long gap between readings: the controller judges it. All ticks run

@@ -17,6 +17,7 @@ from neuralgaits.control.command_belief import (
     CommandEstimate,
     belief_for,
     believable,
+    first_commands,
     learn,
     next_belief,
     slope_under_feet,
@@ -98,6 +99,22 @@ def test_a_belief_arrives_as_fast_as_the_controller_lets_it():
         assert believed == pytest.approx(min(0.0048 * step, 0.03))
     assert believed == 0.03
     assert next_belief(BELIEF, CommandEstimate(-0.5, 1), believed) == pytest.approx(0.03 - 0.0048)
+
+
+SPEED = Command("speed", 0.55, 0.9, 0.02)
+
+
+@pytest.mark.parametrize(("told", "first"), [(0.55, 0.725), (0.6, 0.725), (0.8, 0.8)])
+def test_a_robot_that_learns_its_lean_begins_no_slower_than_the_middle(told, first):
+    commands = (LEAN, SPEED)
+    row = np.array([0.004, told])
+    np.testing.assert_allclose(first_commands(commands, row, ("speed", "lean")), [0.004, first])
+    # The user's own array is as it was, and so are commands of which only one is adapted.
+    for names in ((), ("speed",), ("lean",), ("lean", "slope")):
+        np.testing.assert_array_equal(first_commands(commands, row, names), [0.004, told])
+    for one, value in ((SPEED, told), (LEAN, 0.004)):
+        alone = np.array([value])
+        np.testing.assert_array_equal(first_commands((one,), alone, ("speed", "lean")), alone)
 
 
 @pytest.mark.parametrize(("shown", "end"), [(0.04, 0.03), (-0.03, -0.02), (0.01, 0.01)])

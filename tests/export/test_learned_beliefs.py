@@ -46,10 +46,13 @@ int main(void)
         ng_adapt_step(&adapt, &state, &reading, &fallen, first);
         /* A step without a window shows nothing, and nothing that cannot be. */
         const ng_command ended = {.touchdown = 1};
-        double out[9] = {adapt.believed, excess(&adapt, &state, &moving),
+        ng_real fast[NG_COMMANDS];
+        const ng_real wish[NG_COMMANDS] = {row[1] < 0.0 ? NG(0.6) : NG(0.8), row[0], row[3]};
+        ng_adapt_first(wish, fast);
+        double out[12] = {adapt.believed, excess(&adapt, &state, &moving),
                                believes_anew(&adapt, &state), state.requested[0],
                                state.requested[1], state.requested[2], adapt.lean_steps,
-                               adapt.since};
+                               adapt.since, 0.0, fast[0], fast[1], fast[2]};
         adapt.lean_doubted = 1;
         ng_adapt_step(&adapt, &state, &reading, &ended, first);
         out[8] = adapt.lean_doubted;
@@ -76,8 +79,11 @@ def expected_of(design, row):
     tilted = command_belief.believable(ground, CommandEstimate(slope, 1))
     anew = abs(wanted - before) > SETTLED["lean"] or abs(tilted - slope) > SETTLED["slope"]
     gain = 0.3 if next_lean == wanted else 0.6
+    told = np.array([0.6 if shown < 0.0 else 0.8, value, slope])
+    fast = command_belief.first_commands(commands, told, ("speed", "lean"))
     speed = min(max(0.7 + gain * 0.05 - excess, SPEED.low), SPEED.high)
-    return [estimate.value, excess, float(anew), speed, wanted, tilted, estimate.steps, -1.0, 0.0]
+    learned = [estimate.value, excess, float(anew), speed, wanted, tilted, estimate.steps]
+    return [*learned, -1.0, 0.0, *fast]
 
 
 def test_c_believes_as_python_does(tmp_path):
@@ -99,6 +105,7 @@ def test_c_believes_as_python_does(tmp_path):
     found = np.frombuffer(done.stdout).reshape(ROWS, -1)
     expected = np.array([expected_of(design, row) for row in rows])
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
+    assert len(np.unique(expected[:, 9])) == 2
     # Both answers occur, and speeds inside of their range and at its ends.
     assert 0.1 < np.mean(expected[:, 2]) < 0.9 or np.ptp(expected[:, 2]) == 1.0
     assert np.ptp(expected[:, 3]) > 0.1 and np.any(np.abs(expected[:, 3] - 0.7) < 0.1)

@@ -15,6 +15,7 @@ from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
 from neuralgaits.workflows.simulate import simulate
 from support.commanded_run import LEANS, make
+from support.commanded_run import SPEED as NARROW
 from support.live_walks import live_walk
 
 CHANGE = 0.0048
@@ -108,6 +109,24 @@ def wanted_speeds(run, names, beliefs, lean):
         adapted.touch_down(0.5 * k, q, latched, told, lean)
         wanted.append(adapted.request(told)[0])
     return wanted
+
+
+@pytest.mark.slow
+def test_a_walk_begins_no_slower_than_the_middle_and_is_recorded_as_told(tmp_path):
+    """Under both engines; the next touchdown turns to what is told."""
+    both, told = make(tmp_path / "run", NARROW, LEANS), {"speed": NARROW.low, "lean": 0.0}
+    walks: Any = (
+        ("native", "speed,lean", NARROW.middle),
+        ("native", "speed", NARROW.low),
+        ("jax", "speed,lean", NARROW.middle),
+    )
+    for engine, adapt, first in walks:
+        found = simulate(both, command=told, adapt=adapt, steps=2, engine=engine)
+        strides = found.walk.episodes.strides[0]
+        assert found.summary.command == told
+        np.testing.assert_allclose(strides.commands[0], [first, 0.0], rtol=1e-12)
+        assert strides.reference[0] == pytest.approx(first)
+        assert strides.reference[1] == pytest.approx(NARROW.low)
 
 
 def test_errors_are_summed_once_the_belief_is_near(run):

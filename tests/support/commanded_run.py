@@ -1,4 +1,4 @@
-"""A family of gaits around the shipped one, told a speed that moves it a little: no training."""
+"""A family of gaits around the shipped one, told what moves it a little: no training."""
 
 from pathlib import Path
 
@@ -26,19 +26,23 @@ MOVED = 0.0003
 LEANS = Command("lean", -0.012, 0.012, 0.0048)
 
 
-def family_of(run: Run, command: Command = SPEED) -> CommandedGait:
-    """The run's gait, with a guard that moves with the speed; that of a lean does not."""
+def family_of(run: Run, *commands: Command) -> CommandedGait:
+    """The run's gait, with a guard that moves with the speed; that of a lean does not.
+
+    Without commands it takes SPEED. A speed comes first.
+    """
+    commands = commands or (SPEED,)
     plain = run.gait
     policy = plain.policy
     assert isinstance(policy, HybridInvariantPolicy)
     share = (policy.guard_outputs - policy.lower) / (policy.upper - policy.lower)
-    family = CommandedPolicy.init(run.robot, (command,), key=jax.random.key(0))
+    family = CommandedPolicy.init(run.robot, commands, key=jax.random.key(0))
     weights = policy.network.weights
-    first = np.hstack([weights[0], np.zeros((len(weights[0]), 2))])
+    first = np.hstack([weights[0], np.zeros((len(weights[0]), 2 * len(commands)))])
     zeros = np.zeros_like(family.guard_outputs)
     outputs, slopes, z1 = zeros.copy(), zeros.copy(), np.zeros(len(zeros))
     outputs[0], slopes[0] = np.log(share / (1.0 - share)), policy.guard_slopes
-    z1[:2] = float(policy.z_guard), MOVED if command == SPEED else 0.0
+    z1[:2] = float(policy.z_guard), MOVED if commands[0] == SPEED else 0.0
     family = eqx.tree_at(
         lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.guard_z1),
         family,
@@ -49,13 +53,13 @@ def family_of(run: Run, command: Command = SPEED) -> CommandedGait:
     )
     scales = (policy.lower, policy.upper, policy.input_scale, policy.input_shift)
     family = eqx.tree_at(lambda p: (p.lower, p.upper, p.input_scale, p.input_shift), family, scales)
-    return CommandedGait(family, CommandedTube.around(plain.tube, (command,)))
+    return CommandedGait(family, CommandedTube.around(plain.tube, commands))
 
 
-def make(place: Path, command: Command = SPEED) -> Run:
+def make(place: Path, *commands: Command) -> Run:
     """A finished run of it in a new folder."""
-    shipped = open_run(SHIPPED)
-    spec = specs.commanded(shipped.robot, (command,))
+    shipped, commands = open_run(SHIPPED), commands or (SPEED,)
+    spec = specs.commanded(shipped.robot, commands)
     asked = TrainingConfig(
         robot=shipped.robot.name,
         spec="walking",
@@ -65,13 +69,13 @@ def make(place: Path, command: Command = SPEED) -> Run:
         steps=1,
         described=spec.describe(),
         not_provable_because=None,
-        commands={command.name: Range(command.low, command.high, command.largest_change)},
+        commands={c.name: Range(c.low, c.high, c.largest_change) for c in commands},
     )
     copies = {ROBOT: shipped.robot.layout.xml, SPEC: (SHIPPED / SPEC).read_text()}
     folder = RunFolder.create(
         asked, copies, name=shipped.robot.name, seed=0, root=place.parent, out=place
     )
-    gait = family_of(shipped, command)
+    gait = family_of(shipped, *commands)
     gait = jax.tree.map(lambda leaf: np.asarray(leaf, np.float64), gait)
     folder.write_tree(WEIGHTS, gait)
     finish(folder, {}, place.parent)

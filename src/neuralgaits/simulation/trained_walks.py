@@ -3,7 +3,7 @@
 So other processes can walk parts of them, and the results are put together again.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
+from neuralgaits.control.command_belief import first_commands
 from neuralgaits.control.controlled_gait import law_for
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import at_bandwidth, law_named
@@ -19,6 +20,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.simulation.native_walk import Choice, WalkEngine, engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.simulators import MUJOCO, Simulator
@@ -34,7 +36,7 @@ class TrainedWalks(WalkOptions):
     """Walks of a trained gait.
 
     Attributes:
-        run: opened run, a family at its first command.
+        run: opened run, a family at the first command that is told.
         start: as in `simulate`.
         drawn: robots of a box in place of the plant, one for each walk.
         bandwidth: double pole of output errors under the law [rad/s]; its own if None.
@@ -50,6 +52,15 @@ class TrainedWalks(WalkOptions):
         """Control law with what it keeps of the gait."""
         law = at_bandwidth(self.controller, self.bandwidth)
         return law_for(law, self.run.robot, self.run.trained, self.joints)
+
+    @cached_property
+    def _schedule(self) -> CommandSchedule | None:
+        """Commands with those of the first step as adaptation begins, see `first_commands`."""
+        if self.schedule is None or self.courses is not None:
+            return self.schedule
+        told = self.schedule.first
+        first = first_commands(self.schedule.commands, told, self.adapt)
+        return self.schedule if np.array_equal(first, told) else replace(self.schedule, first=first)
 
     def walk(
         self,
@@ -69,9 +80,13 @@ class TrainedWalks(WalkOptions):
             longest: keep records of the first so many ticks of every walk.
             remote: controller processes that give the torques in the law's place.
         """
-        run, gait = self.run, self.run.gait
+        schedule = self._schedule
+        run = self.run
+        if schedule is not None and schedule is not self.schedule:
+            run = at_first(run, schedule.first)
+        gait = run.gait
         options = {one.name: getattr(self, one.name) for one in fields(WalkOptions)}
-        options["controller"] = self.law
+        options |= {"controller": self.law, "schedule": schedule}
         return walk(
             run.robot,
             run.trained.policy,

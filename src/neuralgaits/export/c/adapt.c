@@ -65,7 +65,7 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 #if NG_LEAN_COMMAND || NG_SLOPE_COMMAND
 #define BELIEF_GAIN NG(0.3)    /* least share of the way to what a step shows */
 #define LEAN_SETTLED NG(12e-3) /* a belief that lacks less has settled [m] */
-#define SLOPE_SETTLED NG(2e-3) /* likewise [rad] */
+#define SLOPE_SETTLED NG(8e-3) /* likewise [rad] */
 #define LEAN_JUMP NG(5e-3)     /* a step that shows this much else is of another robot [m] */
 #define SLOPE_JUMP NG(10.0)    /* none: floors are uneven [rad] */
 
@@ -238,6 +238,17 @@ static int believes_anew(const ng_adapt *adapt, const ng_state *state)
     (void)adapt;
     (void)state;
     return 0;
+}
+
+void ng_adapt_first(const ng_real told[NG_COMMANDS], ng_real first[NG_COMMANDS])
+{
+    for (int i = 0; i < NG_COMMANDS; ++i) {
+        first[i] = told[i];
+    }
+#if NG_LEAN_COMMAND && NG_SPEED_COMMAND
+    const ng_real middle = NG(0.5) * (LOW + HIGH);
+    first[SPEED] = told[SPEED] > middle ? told[SPEED] : middle; /* of a NaN, too */
+#endif
 }
 
 void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS])

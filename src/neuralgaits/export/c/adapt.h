@@ -43,6 +43,13 @@ typedef struct {
     int slope_doubted;     /* whether that cannot be; the belief is then as it was */
 } ng_adapt;
 
+/*
+ * What to give ng_start_at and ng_adapt_start where `told` is told: of a gait that takes speed and
+ * lean the speed is at least the middle of its range. No step has shown the lean yet, and a slow
+ * robot whose weight is far behind would stall. Later steps are as ng_adapt_tell is told.
+ */
+void ng_adapt_first(const ng_real told[NG_COMMANDS], ng_real first[NG_COMMANDS]);
+
 /* Before the first tick; commands as in ng_start_at. Speed and lean are adapted, no slope. */
 void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS]);
 
