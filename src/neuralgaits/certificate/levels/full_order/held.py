@@ -97,7 +97,7 @@ def growth_bound(slopes: np.ndarray, bandwidth: float, *, tight: bool) -> float:
     # Room, as a multiple of the largest slope of the jerk that is seen: enclosures of third
     # derivatives are wide. 1.5 is enough for the search, and for both checkers under a free clock
     # and scheduled PD; 3 is from when the C++ checker named no remainders.
-    room = 1.5 if tight else 3.0
+    room = 1.5
     return largest + room * frobenius(own)
 
 

@@ -65,7 +65,7 @@ def set_of(
     w = float(model.bandwidth)
     samples = sample_gait(evaluators, free_clock) if pushed or widest else None
     half_width = SMALL
-    plan_shares = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.
+    plan_shares = (1.0, 0.9, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.
     if widest:
         half_width = 1.0 / 800.0  # The size of the widest set costs more boxes.
         plan_shares = tuple(np.round(np.arange(1.0, 0.14, -0.025), 3).tolist())
