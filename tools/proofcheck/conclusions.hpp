@@ -321,6 +321,7 @@ class Conclusions {
       need("2 b push < (gamma - 2 b slope) least radius", I(2.0) * factor * push,
            left * I(f.floor));
     } else {
+      need("0 < least radius", zero, I(f.floor));
       // Errors of any kind are borne by the least radius, by forces there, and by barriers.
       const I forces = I(d.peak[0]) + I(d.peak[1]) * I(f.floor);
       const I radius = I(0.4999995) * square(w) * I(f.floor);

@@ -54,7 +54,8 @@ def _radius_inequalities(
 ) -> list[Inequality]:
     """Return inequalities by which sqrt(V) stays in its bound."""
     if not disturbed.scheduled:
-        return face_inequalities(full, disturbed) if disturbed.hold != 0.0 else []
+        rows = [Inequality("0 < least radius", arb(0), arb(full.least_radius))]
+        return rows + (face_inequalities(full, disturbed) if disturbed.hold != 0.0 else [])
     push, left = arb(disturbed.push[0]), _slower(full, disturbed)
     return [
         Inequality(
