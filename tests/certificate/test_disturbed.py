@@ -13,7 +13,6 @@ from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
 from neuralgaits.certificate.levels.disturbed.margins import LawErrors, decay_matrix, margins
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     error_rate,
-    face_inequalities,
     first_kick,
     growth,
     growth_slope,
@@ -24,6 +23,7 @@ from neuralgaits.certificate.levels.disturbed.push_inequalities import (
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     inequalities as push_inequalities,
 )
+from neuralgaits.certificate.levels.disturbed.radius_inequalities import face_inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import (
     DisturbedBarrier,
     DisturbedConstants,

@@ -9,11 +9,8 @@ from flint import arb
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.level_target import grid
-from neuralgaits.certificate.levels.disturbed.push_inequalities import (
-    face_inequalities,
-    factor,
-    inequalities,
-)
+from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
+from neuralgaits.certificate.levels.disturbed.radius_inequalities import face_inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
 from neuralgaits.certificate.levels.full_order.held import (
     Held,
@@ -195,11 +192,10 @@ class _SampledBounds:
         self.exact = not off["law/slope"].any()
         # Jerk of the outputs at eta = 0, as a multiple of the largest value sampled.
         room_of_jerk = 1.03
+        slope = slope_bound(off["jerk/slope"], full.bandwidth, exact=self.exact)
         self.jerk = Jerk(
             float(at_most(room_of_jerk * size(off["jerk"]), DIGITS)),
-            float(
-                at_most(slope_bound(off["jerk/slope"], full.bandwidth, exact=self.exact), DIGITS)
-            ),
+            float(at_most(slope, DIGITS)),
             float(at_most(push_bound(off["jerk/push"], off["law/slope"]), DIGITS)),
             feedback_slope(full.bandwidth) if self.exact else 0.0,
         )

@@ -177,9 +177,7 @@ def _kicks(its: LawErrors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities
     }
 
 
-def _growth(
-    its: LawErrors, xi: Outputs, bounds: Float[Array, "3"], *, exact: bool
-) -> Quantities:
+def _growth(its: LawErrors, xi: Outputs, bounds: Float[Array, "3"], *, exact: bool) -> Quantities:
     """Return margins of S de/dt under held torques: its size at xi = 0, e = 0 and its slopes.
 
     Under exact linearisation the slope in xi is that of the jerk S d^3y/dt^3.
