@@ -15,6 +15,7 @@ from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     error_rate,
     first_kick,
     growth,
+    growth_slope,
     mean_kick,
     most_push,
     sqrt_v_after_kick,
@@ -22,6 +23,7 @@ from neuralgaits.certificate.levels.disturbed.push_inequalities import (
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     inequalities as push_inequalities,
 )
+from neuralgaits.certificate.levels.disturbed.radius_inequalities import face_inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import (
     DisturbedBarrier,
     DisturbedConstants,
@@ -73,10 +75,10 @@ def _shape(full, push=PUSH, split=1.0):
     return DisturbedConstants((push, 0.0), (push, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, tuple(rows))
 
 
-def _held(full, hold=5e-5, error=0.01):
+def _held(full, hold=5e-5, error=0.01, **law):
     """Constants that fit a hold, with a part in a thousand to spare."""
-    jerk = {"jerk": 300.0, "growth_slope": 6.8e4, "jerk_push": 9.0}
-    shape = replace(_shape(full), hold=hold, error=error, **jerk)
+    jerk = {"jerk": 300.0, "growth_slope": 3e4, "jerk_push": 9.0}
+    shape = replace(_shape(full), hold=hold, error=error, **jerk, **law)
     rate, above = float(error_rate(full, shape)), 1.001
     end = np.expm1(rate * hold) / rate
     mean = (end - hold) / (rate * hold) + GAMMA * hold**2 * np.exp(rate * hold) / 16.0
@@ -104,7 +106,6 @@ def test_constants_that_fit_are_a_proof_and_planted_falsity_is_none():
     assert _verdict(full, shape).verdict == "proved"
     lost, weight = shape.barriers[0].lost, shape.barriers[0].weight
     forged = {
-        "2 b push < (gamma - 2 b slope) least radius": _shape(full, push=PUSH * 1.01),
         "push <= peak": replace(shape, peak=(0.99 * PUSH, 0.0)),
         "slope of push <= slope of peak": replace(shape, push=(0.9 * PUSH, 1.0)),
         "0 <= its slope": replace(shape, push=(PUSH, -1.0)),
@@ -145,7 +146,8 @@ def test_a_hold_that_fits_is_a_proof_and_planted_falsity_is_none():
         "error + mean growth in a hold < push at the radius": replace(
             shape, push=tuple(second * shape.push)
         ),
-        "gamma - 2 b slope of push": replace(shape, push=(shape.push[0], 60.0), peak=(1.0, 60.0)),
+        "N at the least radius": replace(shape, jerk=20.0 * shape.jerk),
+        "the slope of N": replace(shape, growth_slope=200.0 * shape.growth_slope),
         "what the push takes < lost": replace(shape, push=tuple(1.01 * np.array(shape.push))),
     }
     for reason, wrong in forged.items():
@@ -167,7 +169,7 @@ def _free(full, hold=5e-5):
     shape = replace(_held(full, hold, error=0.0), **kick, kick_end=end)
     rate, first = float(error_rate(full, shape)), float(first_kick(full, shape))
     grown = np.exp(rate * hold)
-    still = shape.jerk + shape.growth_slope * full.radius
+    still = shape.jerk + float(growth_slope(full, shape)) * full.radius
     peak = 1.001 * (first * grown + still * (grown - 1.0) / rate)
     shape = replace(shape, kick_peak=float(peak))
     return replace(shape, barriers=_shape(full, push=float(most_push(full, shape))).barriers)
@@ -236,7 +238,7 @@ def test_no_output_after_an_impact_is_larger_than_at_an_end_of_the_hold(kicks):
     full = _full()
     shape = replace(_free(full, hold=1e-3), kick=kicks, kick_slope=0.0, kick_push=0.0)
     rate, first = float(error_rate(full, shape)), float(first_kick(full, shape))
-    still = shape.jerk + shape.growth_slope * full.radius
+    still = shape.jerk + float(growth_slope(full, shape)) * full.radius
     last = first * np.exp(rate * shape.hold) + still * np.expm1(rate * shape.hold) / rate
     shape = replace(shape, kick_peak=last)
     said, after = float(sqrt_v_after_kick(full, shape)), float(after_impact(full))
@@ -271,7 +273,7 @@ def test_outputs_shrink_from_step_to_step_as_the_decay_of_the_law_says():
 def test_a_law_that_is_not_exact_has_less_decay_and_an_error_of_its_own():
     full = _full()
     law = {"torque_gains": (1.0,), "inertia_gains": (1.0,), "rest": 0.0}
-    shape = replace(_held(full, error=0.0), **law, decay=GAMMA)
+    shape = _held(full, error=0.0, **law, decay=GAMMA)
     found = _verdict(full, shape)
     assert found.verdict == "proved", found.reason
     assert "scheduled PD" in " ".join(found.words) and "beyond that law" in " ".join(found.words)
@@ -283,6 +285,10 @@ def test_a_law_that_is_not_exact_has_less_decay_and_an_error_of_its_own():
     forged = {
         "0 < decay": replace(shape, decay=-1.0),
         "V decays faster than its bound": replace(shape, decay=0.2 * GAMMA),
+        "2 b push < (gamma - 2 b slope) least radius": replace(
+            shape, push=(PUSH * 1.01, 0.0), peak=(2.0 * PUSH, shape.peak[1])
+        ),
+        "gamma - 2 b slope of push": replace(shape, push=(shape.push[0], 60.0), peak=(1.0, 60.0)),
         "growth in a hold < push": replace(shape, rest=0.01 * room),
         "alpha < gamma": replace(shape, decay=full.barriers[2].alpha),
     }
@@ -345,6 +351,72 @@ def test_a_hold_proved_by_a_bound_on_all_of_its_errors_is_proved_by_their_growth
     assert push[0] > 1.02 * shape.push[0]
 
 
+LARGEST = 0.5 * 30.0**2 * FLOOR
+"""The |S e| at which a least radius is what outputs are kept at: 2 |S e| / w^2."""
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.995, True), (1.005, False)])
+def test_the_least_radius_bears_errors_up_to_what_the_worst_output_bears(share, holds):
+    full = _full()
+    shape = replace(_held(full, hold=1e-7), jerk=1.0, jerk_push=0.0, error=share * LARGEST)
+    (row, _) = face_inequalities(full, shape)
+    assert row.holds == holds
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.99, True), (1.001, False)])
+def test_a_bound_that_shrinks_as_fast_as_outputs_fall_is_none(share, holds):
+    full = _full()
+    most = share * 0.5 * GAMMA / (2.0 * full.ends[1] * full.pace[1])
+    shape = replace(_held(full, hold=1e-7), error=0.0)
+    (_, row) = face_inequalities(replace(full, shrink=most), shape)
+    assert row.holds == holds
+
+
+@pytest.mark.parametrize("error", [0.0, 0.04])
+@pytest.mark.parametrize("beyond", [False, True])
+def test_outputs_stay_in_their_bound_for_the_hold_that_is_allowed_and_not_for_longer(error, beyond):
+    """Outputs whose third derivative is the largest, either way: exact polynomials.
+
+    The longest hold that the matrices allow is close to the longest that there is.
+    """
+    full, w = _full(), 30.0
+    shape = replace(_held(full, error=error), jerk_push=0.0, growth_slope=20.0)
+
+    def allowed(hold):
+        (row, _) = face_inequalities(full, replace(shape, hold=hold))
+        return row.holds
+
+    low, high = 1e-6, 2e-3
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if allowed(middle) else (low, middle)
+    hold = 1.12 * low if beyond else low
+    radius, angle, worst = full.least_radius, np.linspace(0.0, 2.0 * np.pi, 721), -1.0
+    for since in np.linspace(0.05, 1.0, 20) * hold:
+        xi = radius * np.stack([np.cos(angle), np.sin(angle)])
+        for sign in (-1.0, 1.0):
+            dy, y = w * xi[0], 0.5 * xi[1] - xi[0]
+            ddy, jerk = -(w**2) * y - 2.0 * w * dy + sign * error, sign * shape.jerk
+            y = y + since * dy + since**2 * ddy / 2.0 + since**3 * jerk / 6.0
+            dy = dy + since * ddy + since**2 * jerk / 2.0
+            worst = max(worst, np.hypot(dy / w, 2.0 * (y + dy / w)).max() / radius - 1.0)
+    assert (worst > 0.0) == beyond
+
+
+def test_no_error_is_borne_beyond_what_radius_forces_and_barriers_bear():
+    full = _full()
+    shape = _held(full)
+    known = {one.name: one.value for one in constant_rows(full, shape)}
+    mean = shape.push[0] + shape.push[1] * full.radius
+    peak = shape.peak[0] + shape.peak[1] * full.least_radius
+    assert known["push"] == pytest.approx(min(LARGEST, mean, peak), rel=2e-6)
+    assert known["push"] < LARGEST
+    wide = replace(shape, push=(1.0, 0.0), peak=(2.0, 0.0))
+    known = {one.name: one.value for one in constant_rows(full, wide)}
+    assert known["push"] == pytest.approx(LARGEST, rel=2e-6) and known["push"] < LARGEST
+    assert known["kept"] == pytest.approx(full.least_radius, rel=2e-6)
+
+
 def test_what_is_kept_is_what_the_largest_errors_keep():
     """Errors up to the push do not become smaller where V is small."""
     full = _full()
@@ -353,7 +425,7 @@ def test_what_is_kept_is_what_the_largest_errors_keep():
     found = _verdict(full, shape)
     assert found.verdict == "proved", found.reason
     figures = found.figures
-    assert figures["kept"] >= 2.0 * B * figures["push"] / GAMMA
+    assert figures["kept"] >= 2.0 * figures["push"] / 30.0**2
     assert figures["r_end"] >= full.gain * figures["kept"]
 
 

@@ -20,7 +20,7 @@ ERROR = 0.03
 """|S e| of torques when they are set [rad/s^2]."""
 
 
-@pytest.mark.parametrize(("free_clock", "least"), [(False, 1e-3), (True, 7e-4)])
+@pytest.mark.parametrize(("free_clock", "least"), [(False, 2e-3), (True, 1.2e-3)])
 def test_no_walk_leaves_the_set_while_torques_are_held(trained, free_clock, least):
     """With a tick at each touchdown; and on a clock that runs on through touchdowns."""
     model = model_of(trained, W)
@@ -31,8 +31,8 @@ def test_no_walk_leaves_the_set_while_torques_are_held(trained, free_clock, leas
     assert isinstance(found, DisturbedConstants), found
     assert found.hold > least
     # The set shrinks nearly as fast as pushed outputs do: the strip behind phase 1 is narrow.
-    (shrinks,) = (s for s in inequalities(shape, found) if "bound shrinks, pushed" in s.claim)
-    assert float(shrinks.left) > 0.985 * float(shrinks.right)
+    (shrinks,) = (s for s in inequalities(shape, found) if "the slope of N" in s.claim)
+    assert float(shrinks.left) > 0.9 * float(shrinks.right)
     # A torque that is off when it is set may be held for less long, and still fits.
     erring = find_disturbed(
         evaluators_in_norm(model, shape, looks), shape, free_clock=free_clock, error=ERROR

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "hold_map.hpp"
 #include "hopper.hpp"
 
 namespace {
@@ -313,11 +314,21 @@ class Conclusions {
     const I slope(d.push[1]), left = gamma - I(2.0) * factor * slope;
     if (!(d.push[1] >= 0.0 && d.push[0] <= d.peak[0] && d.push[1] <= d.peak[1]))
       throw DoesNotFollow{"push has a falling slope, or is above peak"};
-    need("4 shrink (1 + guard_strip) most pace < gamma - 2 b slope of push",
-         I(4.0) * I(f.shrink) * I(f.last) * I(f.fastest), left);
-    need("2 b push < (gamma - 2 b slope) least radius", I(2.0) * factor * push, left * I(f.floor));
-    const I always = push + slope * I(f.floor) - rest;
-    I most = push + slope * I(f.radius);
+    I most = push + slope * I(f.radius), always = push + slope * I(f.floor) - rest;
+    if (d.scheduled()) {
+      need("4 shrink (1 + guard_strip) most pace < gamma - 2 b slope of push",
+           I(4.0) * I(f.shrink) * I(f.last) * I(f.fastest), left);
+      need("2 b push < (gamma - 2 b slope) least radius", I(2.0) * factor * push,
+           left * I(f.floor));
+    } else {
+      need("0 < least radius", zero, I(f.floor));
+      // Errors of any kind are borne by the least radius, by forces there, and by barriers.
+      const I forces = I(d.peak[0]) + I(d.peak[1]) * I(f.floor);
+      const I radius = I(0.4999995) * square(w) * I(f.floor);
+      const double low = std::min({most.low(), forces.low(), radius.low()});
+      always = I(low);
+      if (d.hold != 0.0) fall_in_holds(f, d);
+    }
     if (d.hold != 0.0) held(f, d, gamma);
     if (d.free_clock()) {
       const I while_held = I(0.5) * gamma * I(d.hold) * kicked(f, d, gamma);
@@ -376,20 +387,46 @@ class Conclusions {
   // Bound on |S e| of the law's own torque where nothing is off.
   static I rest_of(const Disturbed& d) { return d.scheduled() ? size(d.rest) : I(0.0); }
 
+  // How much larger the bound on sqrt(V) is at phase 0 than where the tube begins.
+  static I beside_start(const FullOrder& f) {
+    const I floor(f.floor), radius(f.radius);
+    return radius / (floor + (radius - floor) * exp(-I(f.shrink) * square(I(f.start_strip))));
+  }
+
+  // The slope of S de/dt in xi: where the premise is about the jerk, outputs add w^3 (xi_1 + xi_2).
+  static I growth_slope(const FullOrder& f, const Disturbed& d) {
+    const I w(f.bandwidth), own = d.scheduled() ? I(0.0) : root(I(2.0)) * w * square(w);
+    return size(d.growth_slope) + own;
+  }
+
+  // Under exact linearisation sqrt(V) stays in its bound while torques are held: inequality 1.
+  void fall_in_holds(const FullOrder& f, const Disturbed& d) const {
+    if (!(d.hold > 0.0 && d.error >= 0.0)) throw DoesNotFollow{"a hold or an error below zero"};
+    const I w(f.bandwidth), floor(f.floor), half = I(0.5) * I(d.hold), push = size(d.jerk_push);
+    const I over = inverse(square(w));
+    const I still = half * (size(d.jerk) + push * I(d.peak[0]));
+    const I slope = half * (size(d.growth_slope) + push * I(d.peak[1])) * beside_start(f);
+    const I shrink = I(2.0) * I(f.shrink) * I(f.last) * I(f.fastest) / w;
+    const I last = w * I(d.hold), none(0.0);
+    if (!outputs_fall(last, floor, {(still + slope * floor) * over, I(d.error) * over}, none))
+      throw DoesNotFollow{"the least radius is not above what holds keep outputs at"};
+    if (!outputs_fall(last, I(1.0), {slope * over, none}, shrink))
+      throw DoesNotFollow{"outputs in holds do not fall faster than their bound shrinks"};
+  }
+
   // What a hold makes of an error fits under peak and, in the mean over it, under push.
   void held(const FullOrder& f, const Disturbed& d, const I& gamma) const {
     not_negative("disturbed/jerk", f.tube());
-    positive("disturbed/growth-slope", f.tube());
+    positive(d.scheduled() ? "disturbed/growth-slope" : "disturbed/jerk-slope", f.tube());
     not_negative("disturbed/jerk-push", f.tube());
     if (!(d.hold > 0.0 && d.error >= 0.0)) throw DoesNotFollow{"a hold or an error below zero"};
     const I hold(d.hold), error(d.error), floor(f.floor), radius(f.radius);
     const I rate = I(2.0) * I(f.bandwidth) + size(d.jerk_push), grown = exp(rate * hold);
     const I end = (grown - I(1.0)) / rate;
     const I mean = (end - hold) / (rate * hold) + I(0.0625) * gamma * square(hold) * grown;
-    const I start = floor + (radius - floor) * exp(-I(f.shrink) * square(I(f.start_strip)));
-    const I earlier = exp(I(0.5) * gamma * hold) * radius / start;
+    const I earlier = exp(I(0.5) * gamma * hold) * beside_start(f);
     for (const I& bound : {floor, radius}) {
-      const I most = size(d.jerk) + rate * error + earlier * size(d.growth_slope) * bound;
+      const I most = size(d.jerk) + rate * error + earlier * growth_slope(f, d) * bound;
       need("error + growth in a hold < peak", error + end * most,
            I(d.peak[0]) + I(d.peak[1]) * bound);
       need("error + mean growth in a hold < push", rest_of(d) + error + mean * most,
@@ -408,7 +445,7 @@ class Conclusions {
     const I rate = I(2.0) * I(f.bandwidth) + size(d.jerk_push), grown = exp(rate * hold);
     const I first = size(d.kick) + size(d.kick_slope) * guard +
                     size(d.kick_push) * (I(d.peak[0]) + I(d.peak[1]) * guard);
-    const I more = (size(d.jerk) + size(d.growth_slope) * radius) * (grown - I(1.0)) / rate;
+    const I more = (size(d.jerk) + growth_slope(f, d) * radius) * (grown - I(1.0)) / rate;
     const I mean = I(0.5) * (first + I(d.kick_peak)) + rest_of(d);
     need("free clock: 0 < hold", I(0.0), hold);
     need("free clock: start_strip + most pace hold < kick_end",

@@ -38,20 +38,15 @@ vector<Formula> jerk_pushes(FullState& f) {
   return slopes;
 }
 
-// Slopes of S de/dt in each xi, one xi after the other: those of the jerk less w^3 (xi_1 + xi_2).
-Square<Formula> growth_slopes(FullState& f) {
-  const I cube = f.bandwidth() * square(f.bandwidth());
+// Slopes of S times the outputs' jerk in each xi, one xi after the other.
+Square<Formula> jerk_slopes(FullState& f) {
   Square<Formula> slopes;
-  for (FullState::Moved& p : f.step_moved()) {
-    slopes.push_back(jerk_along(f, p, p.off->ddy()));
-    Formula& own = slopes.back()[(slopes.size() - 1) % f.joints];
-    own = own - Formula(cube);
-  }
+  for (FullState::Moved& p : f.step_moved()) slopes.push_back(jerk_along(f, p, p.off->ddy()));
   return slopes;
 }
 
-// 1 - A A' / l^2, A the slope of S de/dt in xi.
-vector<Formula> growth_margins(double most, const Square<Formula>& slopes) {
+// 1 - A A' / l^2, A the slopes.
+vector<Formula> slope_margins(double most, const Square<Formula>& slopes) {
   const size_t m = slopes[0].size();
   const I share = inverse(I(most));
   Square<Formula> a(m), left(m, vector<Formula>(m));
@@ -202,7 +197,7 @@ vector<Formula> scheduled_margins(const string& n, const Disturbed& its, FullSta
   if (n == "disturbed/rest") return {room(its.rest, law.error(f.centre()))};
   if (n == "disturbed/jerk") return {room(its.jerk, law.growth_at_rest())};
   if (n == "disturbed/growth-slope")
-    return growth_margins(its.growth_slope, law.growth_slopes());
+    return slope_margins(its.growth_slope, law.growth_slopes());
   if (n == "disturbed/jerk-push") return {room(its.jerk_push, law.growth_pushes())};
   throw Unknown{"the output " + n};
 }
@@ -217,7 +212,7 @@ vector<Formula> disturbed_margins(const string& n, const Disturbed& its, FullSta
   if (n == "disturbed/kick-push") return {room(its.kick_push, kick_pushes(f))};
   if (its.scheduled()) return scheduled_margins(n, its, f);
   if (n == "disturbed/jerk") return {room(its.jerk, jerk_at_rest(f))};
-  if (n == "disturbed/growth-slope") return growth_margins(its.growth_slope, growth_slopes(f));
+  if (n == "disturbed/jerk-slope") return slope_margins(its.growth_slope, jerk_slopes(f));
   if (n == "disturbed/jerk-push") return {room(its.jerk_push, jerk_pushes(f))};
   throw Unknown{"the output " + n};
 }

@@ -82,6 +82,7 @@ const std::map<string, Meaning>& disturbed_outputs() {
       {"disturbed/rest", {"its bound^2 - |S e|^2 of a law, nothing off", "rad^2/s^4"}},
       {"disturbed/jerk", {"j^2 - |S d^3y|^2 under held torques, nothing off", "rad^2/s^6"}},
       {"disturbed/growth-slope", {"pivots of 1 - A A' / l^2, A the slope of S de/dt in xi", ""}},
+      {"disturbed/jerk-slope", {"pivots of 1 - A A' / l^2, A the slope of S d^3y in xi", ""}},
       {"disturbed/jerk-push", {"its bound^2 - its squared slope in S e", "1/s^2"}},
       {"disturbed/kick", {"its bound^2 - |S e|^2 after an impact, torques held", "rad^2/s^4"}},
       {"disturbed/kick-slope", {"its bound^2 - its squared slope in xi", "1/s^4"}},

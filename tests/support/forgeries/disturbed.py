@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from neuralgaits.certificate.levels.disturbed.theorem import slope_output
 from neuralgaits.certificate.proof_file.theorem_tables import (
     LEVELS_BY_NUMBER,
     Theorems,
@@ -143,9 +144,12 @@ file_only("no push", ("held",), _all_times("push", 0.0))
 file_only("a push of one number", ("law",), lambda f, s: s["push"].pop(), UNREADABLE)
 
 for _name in ("jerk", "growth_slope", "jerk_push"):
-    _premise = f"disturbed/{_name.replace('_', '-')}"
     file_only(f"{_name} a third", TWO, _times(_name, 1 / 3))
-    in_both(f"{_name} a tenth", TWO, _times(_name, 0.1), UNTRUE, _premise)
+    for _about in TWO:
+        _premise = f"disturbed/{_name.replace('_', '-')}"
+        if _name == "growth_slope":
+            _premise = slope_output(exact=LAWS[_about][0] == "fblin")
+        in_both(f"{_name} a tenth", (_about,), _times(_name, 0.1), UNTRUE, _premise)
     in_both(f"{_name} three times", TWO, _times(_name, 30.0))
 for _name in ("kick", "kick_slope", "kick_push"):
     file_only(f"{_name} a third", ("free",), _times(_name, 1 / 3))

@@ -39,6 +39,7 @@ BOUND_SEPARATELY = {
     "disturbed/jerk": "jerk",
     "disturbed/decay": "decay",
     "disturbed/growth-slope": "growth slope",
+    "disturbed/jerk-slope": "growth slope",
     "disturbed/jerk-push": "jerk push",
     "disturbed/kick": "kick",
     "disturbed/kick-slope": "kick slope",

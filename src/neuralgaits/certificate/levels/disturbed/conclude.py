@@ -53,6 +53,8 @@ def constant_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> li
     always, loop = _always(full, disturbed), step_factor(full, decay(full, disturbed))
     # Errors up to the push are borne where sqrt(V) is small, too.
     kept = 2 * factor(full) * (always + rest(disturbed)) / decay(full, disturbed)
+    if not disturbed.scheduled:
+        kept = 2 * always / arb(full.bandwidth) ** 2
     rows = [
         TheoremConstant("push", below(always), "rad/s^2", "every e with |S e| up to this", "least"),
         TheoremConstant(
@@ -105,7 +107,9 @@ def _hold_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[
             "jerk", abs(disturbed.jerk), "rad/s^3", "|S d3y| of held torques, nothing off",
         ),
         TheoremConstant(
-            "growth slope", abs(disturbed.growth_slope), "rad/s^3/rad", "of S de/dt in xi",
+            *(("growth slope",) if disturbed.scheduled else ("jerk slope",)),
+            abs(disturbed.growth_slope), "rad/s^3/rad",
+            "of S de/dt in xi" if disturbed.scheduled else "of S d3y in xi",
         ),
         TheoremConstant("jerk push", abs(disturbed.jerk_push), "1/s", "slope of S d3y in S e"),
     ]  # fmt: skip
@@ -130,9 +134,18 @@ def _kick_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[
 
 def _always(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Return the |S e| up to which any error is tolerated anywhere in the set."""
-    return (
-        arb(disturbed.push[0]) + arb(disturbed.push[1]) * arb(full.least_radius) - rest(disturbed)
+    least = arb(full.least_radius)
+    push, peak = (
+        arb(first) + arb(slope) * bound
+        for (first, slope), bound in (
+            (disturbed.push, least if disturbed.scheduled else arb(full.radius)),
+            (disturbed.peak, least),
+        )
     )
+    if disturbed.scheduled:
+        return push - rest(disturbed)
+    # Forces, barriers and the least radius allow it: docs/level5_proof.md.
+    return push.min(peak).min(arb("0.4999995") * arb(full.bandwidth) ** 2 * least)
 
 
 def _size_of_norm(full: FullOrderConstants) -> arb:

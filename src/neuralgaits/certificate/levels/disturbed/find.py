@@ -10,16 +10,18 @@ from flint import arb
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
+from neuralgaits.certificate.levels.disturbed.radius_inequalities import face_inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
 from neuralgaits.certificate.levels.full_order.held import (
     Held,
     Jerk,
     Kick,
-    growth_bound,
+    feedback_slope,
     kick_bounds,
     least_decay,
     push_bound,
     rest_bound,
+    slope_bound,
 )
 from neuralgaits.certificate.levels.full_order.inequalities import (
     after_impact,
@@ -73,17 +75,15 @@ def find_disturbed(
     if free_clock and hold == 0.0:
         return "what a torque held through an impact adds to outputs does not fit into the set"
     held = sampled.held(hold) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
-    # Any more that the floor bears.
-    more = sampled.most(held.push[1]) - held.push[0]
+    # Any more that the floor bears; under exact linearisation a hold's mean does not decide it.
+    more = 0.0 if sampled.exact and hold > 0.0 else sampled.most(held.push[1]) - held.push[0]
     extra = _largest(more, lambda extra: sampled.stands(hold, _raised(held, extra)))
     raised = _raised(held, extra)
     kick = sampled.kicked(hold, raised)
     barriers = sampled.barriers(hold, raised, kick)
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
-    disturbed = DisturbedConstants(
-        raised.push, raised.peak, hold, error if hold else 0.0, *sampled.jerk, barriers
-    )
+    disturbed = replace(sampled.constants(hold, raised), barriers=barriers)
     if free_clock:
         assert sampled.kick is not None
         disturbed = replace(
@@ -189,13 +189,15 @@ class _SampledBounds:
         def size(values: np.ndarray) -> float:
             return float(np.sqrt((values**2).reshape(len(u), -1).sum(axis=1).max()))
 
-        tight = free_clock or bool(off["law/slope"].any())
+        self.exact = not off["law/slope"].any()
         # Jerk of the outputs at eta = 0, as a multiple of the largest value sampled.
         room_of_jerk = 1.03
+        slope = slope_bound(off["jerk/slope"], full.bandwidth, exact=self.exact)
         self.jerk = Jerk(
             float(at_most(room_of_jerk * size(off["jerk"]), DIGITS)),
-            float(at_most(growth_bound(off["jerk/slope"], full.bandwidth, tight=tight), DIGITS)),
+            float(at_most(slope, DIGITS)),
             float(at_most(push_bound(off["jerk/push"], off["law/slope"]), DIGITS)),
+            feedback_slope(full.bandwidth) if self.exact else 0.0,
         )
         self.u, self.kick = u, _kick_bounds(evaluators, full) if free_clock else None
 
@@ -233,6 +235,11 @@ class _SampledBounds:
         peak = float(at_most(errors.peak, DIGITS))
         return Kick(errors.first, peak, 0.5 * (errors.first + peak) + self.rest)
 
+    def constants(self, hold: float, held: Held) -> DisturbedConstants:
+        """Return the constants of a hold without those of barriers and kicks."""
+        error = self.error if hold else 0.0
+        return DisturbedConstants(held.push, held.peak, hold, error, *self.jerk[:3], barriers=())
+
     def _bears(self, hold: float, kick: Kick) -> bool:
         """Return whether the set holds what an impact adds until the next tick."""
         full, end = self.full, self.end_of_kick(hold)
@@ -250,11 +257,16 @@ class _SampledBounds:
     def stands(self, hold: float, held: Held) -> bool:
         """Return whether floor, decay, barriers, contact and torques allow it."""
         full = self.full
-        if held.push[0] > self.most(held.push[1]):
-            return False
-        shrinks = 4.0 * full.shrink * full.ends[1] * full.pace[1]
-        if shrinks > SHARE_BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):
-            return False
+        if self.exact and hold > 0.0:
+            constants = self.constants(hold, held)
+            if not all(row.holds for row in face_inequalities(full, constants)):
+                return False
+        else:
+            if held.push[0] > self.most(held.push[1]):
+                return False
+            shrinks = 4.0 * full.shrink * full.ends[1] * full.pace[1]
+            if shrinks > SHARE_BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):
+                return False
         kick = self.kicked(hold, held)
         if self.kick is not None and not self._bears(hold, kick):
             return False

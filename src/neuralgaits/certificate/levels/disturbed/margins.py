@@ -17,6 +17,7 @@ from neuralgaits.certificate.levels.disturbed.theorem import (
     BARRIER_CONSTANTS,
     DisturbedConstants,
     series,
+    slope_output,
 )
 from neuralgaits.certificate.levels.full_order.margins import TheoremArrays
 from neuralgaits.certificate.levels.full_order.model import (
@@ -54,7 +55,7 @@ def margins(
     if disturbed.scheduled:
         margins |= _decay(errors, xi, parts["law"])
     if disturbed.hold != 0.0:
-        margins |= _growth(errors, xi, parts["jerk"])
+        margins |= _growth(errors, xi, parts["jerk"], exact=not disturbed.scheduled)
     if disturbed.free_clock:
         kicked = _forces(errors, xi, parts["kick"][3])
         margins["disturbed/kick-contact"] = kicked["disturbed/contact"]
@@ -176,17 +177,24 @@ def _kicks(its: LawErrors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities
     }
 
 
-def _growth(its: LawErrors, xi: Outputs, bounds: Float[Array, "3"]) -> Quantities:
-    """Return margins of S de/dt under held torques: its size at xi = 0, e = 0 and its slopes."""
+def _growth(its: LawErrors, xi: Outputs, bounds: Float[Array, "3"], *, exact: bool) -> Quantities:
+    """Return margins of S de/dt under held torques: its size at xi = 0, e = 0 and its slopes.
+
+    Under exact linearisation the slope in xi is that of the jerk S d^3y/dt^3.
+    """
     still = its.growth(jnp.zeros_like(xi), its.none)
     along, pushed = (jax.jacfwd(its.growth, k)(xi, its.none) for k in (0, 1))
-    along, none = along / bounds[1], jnp.eye(len(still))
+    none = jnp.eye(len(still))
+    if exact:
+        # S de/dt has -w^3 (xi_1 + xi_2) beside the jerk, e being zero.
+        along = along + its.model.bandwidth**3 * jnp.concatenate([none, none], axis=1)
+    along = along / bounds[1]
     # Of what e feeds itself by, 2 w is there whatever the robot.
     pushed = pushed - (2.0 * its.model.bandwidth) * none
     # |A| < l if and only if 1 - A A' / l^2 is positive definite; squares, which are smooth:
     # |.| <= j and kappa of docs/level5.md.
     return {
         "disturbed/jerk": bounds[0] * bounds[0] - still @ still,
-        "disturbed/growth-slope": pivots(none - along @ along.T),
+        slope_output(exact): pivots(none - along @ along.T),
         "disturbed/jerk-push": bounds[2] * bounds[2] - jnp.sum(pushed * pushed),
     }

@@ -6,6 +6,10 @@ docs/level5_clock.md. Needs no JAX.
 
 from flint import arb, fmpq
 
+from neuralgaits.certificate.levels.disturbed.radius_inequalities import (
+    beside_start,
+    face_inequalities,
+)
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
 from neuralgaits.certificate.levels.full_order.inequalities import (
     Inequality,
@@ -25,7 +29,6 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Inequality]:
     """Return every inequality that the constants must satisfy."""
     zero, gamma, push = arb(0), decay(full, disturbed), arb(disturbed.push[0])
-    left = _slower(full, disturbed)
     rows = [] if not disturbed.scheduled else [Inequality("0 < decay", zero, gamma)]
     # Inequality 1 of docs/level5.md.
     rows += [
@@ -33,6 +36,26 @@ def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> lis
         _not_above("0 <= its slope", 0.0, disturbed.push[1]),
         _not_above("push <= peak", disturbed.push[0], disturbed.peak[0]),
         _not_above("slope of push <= slope of peak", disturbed.push[1], disturbed.peak[1]),
+    ]
+    rows += _radius_inequalities(full, disturbed)
+    for its, of in zip(disturbed.barriers, full.barriers, strict=False):
+        rows += _barrier_inequalities(
+            full, disturbed, its.name, its.alpha, its.weight, its.lost, of
+        )
+    if disturbed.free_clock:
+        rows += _kick_inequalities(full, disturbed)
+    return rows + (_hold_inequalities(full, disturbed) if disturbed.hold != 0.0 else [])
+
+
+def _radius_inequalities(
+    full: FullOrderConstants, disturbed: DisturbedConstants
+) -> list[Inequality]:
+    """Return inequalities by which sqrt(V) stays in its bound."""
+    if not disturbed.scheduled:
+        rows = [Inequality("0 < least radius", arb(0), arb(full.least_radius))]
+        return rows + (face_inequalities(full, disturbed) if disturbed.hold != 0.0 else [])
+    push, left = arb(disturbed.push[0]), _slower(full, disturbed)
+    return [
         Inequality(
             "V decays faster than its bound shrinks, pushed: 4 shrink (1 + guard_strip) most pace "
             "< gamma - 2 b slope of push",
@@ -46,20 +69,13 @@ def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> lis
             left * arb(full.least_radius),
         ),
     ]
-    for its, of in zip(disturbed.barriers, full.barriers, strict=False):
-        rows += _barrier_inequalities(
-            full, disturbed, its.name, its.alpha, its.weight, its.lost, of
-        )
-    if disturbed.free_clock:
-        rows += _kick_inequalities(full, disturbed)
-    return rows + (_hold_inequalities(full, disturbed) if disturbed.hold != 0.0 else [])
 
 
 def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Inequality]:
     """Return inequalities by which D holds what an impact adds until the next tick."""
     hold, end, peak = arb(disturbed.hold), arb(disturbed.kick_end), arb(disturbed.kick_peak)
     rate = error_rate(full, disturbed)
-    most = abs(arb(disturbed.jerk)) + abs(arb(disturbed.growth_slope)) * arb(full.radius)
+    most = abs(arb(disturbed.jerk)) + growth_slope(full, disturbed) * arb(full.radius)
     grown = (rate * hold).exp()
     kicked, at_tick = _w_after_kick(full, disturbed), sqrt_v_after_kick(full, disturbed)
     # Inequality 4 of docs/level5_clock.md.
@@ -179,9 +195,17 @@ def growth(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[arb
     """
     still = abs(arb(disturbed.jerk)) + error_rate(full, disturbed) * arb(disturbed.error)
     # The bound on V was larger when the hold began, or at phase 0 if the phase is below.
-    earlier = (decay(full, disturbed) * arb(disturbed.hold) / 2).exp() * arb(full.radius)
-    earlier /= bound_at(full, arb(full.start_strip))
-    return still, earlier * abs(arb(disturbed.growth_slope))
+    earlier = (decay(full, disturbed) * arb(disturbed.hold) / 2).exp() * beside_start(full)
+    return still, earlier * growth_slope(full, disturbed)
+
+
+def growth_slope(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
+    """Bound the slope of S de/dt in xi under held torques [rad/s^3 per rad].
+
+    Under exact linearisation the premise is about the jerk, and outputs add w^3 (xi_1 + xi_2).
+    """
+    slope = abs(arb(disturbed.growth_slope))
+    return slope if disturbed.scheduled else slope + arb(2).sqrt() * arb(full.bandwidth) ** 3
 
 
 def most_push(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:

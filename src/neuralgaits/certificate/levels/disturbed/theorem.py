@@ -49,8 +49,8 @@ class DisturbedConstants:
         error: bound on |S e| when torques are set [rad/s^2].
         jerk: bound on the outputs' jerk |S d^3y/dt^3| under held torques, at eta = 0 and e = 0
             [rad/s^3].
-        growth_slope: bound on the slope of S de/dt in xi under held torques, at e = 0
-            [rad/s^3 per rad].
+        growth_slope: bound on a slope in xi under held torques, at e = 0: of the jerk under exact
+            linearisation, of S de/dt under scheduled PD [rad/s^3 per rad].
         jerk_push: bound on the length of the jerk's slope in S e [1/s].
         barriers: constants of each barrier, in the order of level 4.
         kick: bound on |S e| right after an impact from xi = 0, under the torque from before it,
@@ -96,6 +96,11 @@ class DisturbedConstants:
         return self.kick_end != 0.0
 
 
+def slope_output(exact: bool) -> str:
+    """Return the name of the premise about `growth_slope`, under exact linearisation or not."""
+    return "disturbed/jerk-slope" if exact else "disturbed/growth-slope"
+
+
 def series(disturbed: DisturbedConstants) -> dict[str, tuple[float, ...]]:
     """Return the lists of numbers that margins read, named like the Program's constants."""
     rows = tuple(
@@ -137,7 +142,7 @@ def premises(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Pr
     if disturbed.hold != 0.0:
         required += [
             Premise("disturbed/jerk", *tube, sign="not negative"),
-            Premise("disturbed/growth-slope", *tube),
+            Premise(slope_output(not disturbed.scheduled), *tube),
             Premise("disturbed/jerk-push", *tube, sign="not negative"),
         ]
     if disturbed.free_clock:

@@ -42,13 +42,17 @@ class Jerk(NamedTuple):
 
     Attributes:
         still: both at y = 0 and e = 0 [rad/s^3].
-        slope: slope of S de/dt in xi [rad/s^3 per rad].
+        slope: slope in xi of the jerk under exact linearisation, of S de/dt under another law
+            [rad/s^3 per rad].
         push: slope of the jerk in S e [1/s].
+        feedback: what the outputs' own feedback adds to the slope of S de/dt under exact
+            linearisation, sqrt(2) w^3; 0 under another law [rad/s^3 per rad].
     """
 
     still: float
     slope: float
     push: float
+    feedback: float = 0.0
 
     def held(
         self,
@@ -67,16 +71,26 @@ class Jerk(NamedTuple):
         end = math.expm1(rate * hold) / rate
         mean = (end - hold) / (rate * hold) + gamma * hold * hold * math.exp(rate * hold) / 16.0
         still = self.still + rate * error
-        growth = math.exp(0.5 * gamma * hold) * self.slope
+        growth = math.exp(0.5 * gamma * hold) * (self.slope + self.feedback)
         push, peak = rest + error + mean * still, error + end * still
         # A peak is no less than a push.
         return Held((push, mean * growth), (max(push, peak), end * growth))
+
+    def halves(self, hold: float, bounds: Held) -> tuple[float, float]:
+        """Bound the jerk of a hold under exact linearisation times half the hold.
+
+        First and second, as in `Held`; `bounds` are those of the hold's errors.
+        """
+        half = 0.5 * hold
+        still = self.still + self.push * bounds.peak[0]
+        return half * still, half * (self.slope + self.push * bounds.peak[1])
 
     def kicked(self, first: float, hold: float, bandwidth: float, radius: float) -> Kick:
         """Bound the errors of torques held through an impact, given that right after it."""
         rate = 2.0 * bandwidth + self.push
         grown = math.exp(rate * hold)
-        peak = first * grown + (self.still + self.slope * radius) * (grown - 1.0) / rate
+        more = self.still + (self.slope + self.feedback) * radius
+        peak = first * grown + more * (grown - 1.0) / rate
         return Kick(first, peak, 0.5 * (first + peak))
 
 
@@ -85,20 +99,24 @@ def frobenius(matrices: np.ndarray) -> float:
     return float(np.sqrt((matrices**2).sum(axis=(-2, -1)).max()))
 
 
-def growth_bound(slopes: np.ndarray, bandwidth: float, *, tight: bool) -> float:
-    """Bound the slope of S de/dt in xi, given those seen [n, m, 2m].
+def feedback_slope(bandwidth: float) -> float:
+    """Return the length of w^3 (1, 1), by which outputs feed S de/dt [rad/s^3 per rad]."""
+    return math.sqrt(2.0) * bandwidth**3
 
-    `tight` leaves less room.
+
+def slope_bound(slopes: np.ndarray, bandwidth: float, *, exact: bool) -> float:
+    """Bound the slope in xi of the jerk, or of S de/dt, given those of S de/dt seen [n, m, 2m].
+
+    `exact` is for exact linearisation, whose premise is about the jerk.
     """
     m = slopes.shape[1]
-    # Of a robot that nothing but its outputs moves, it is w^3 (1, 1).
+    # The slope of the jerk: without that of the outputs' own feedback, -w^3 (1, 1).
     own = slopes + bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
-    largest = float(np.sqrt(np.linalg.eigvalsh(slopes @ slopes.swapaxes(1, 2)).max()))
+    bounded = own if exact else slopes
+    largest = float(np.sqrt(np.linalg.eigvalsh(bounded @ bounded.swapaxes(1, 2)).max()))
     # Room, as a multiple of the largest slope of the jerk that is seen: enclosures of third
-    # derivatives are wide. 1.5 is enough for the search, and for both checkers under a free clock
-    # and scheduled PD; 3 is from when the C++ checker named no remainders.
-    room = 1.5 if tight else 3.0
-    return largest + room * frobenius(own)
+    # derivatives are wide.
+    return largest + 1.5 * frobenius(own)
 
 
 def push_bound(pushes: np.ndarray, law_slopes: np.ndarray) -> float:

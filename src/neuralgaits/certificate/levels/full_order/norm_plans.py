@@ -13,12 +13,14 @@ from neuralgaits.certificate.levels.full_order.held import (
     Held,
     Jerk,
     Kick,
-    growth_bound,
+    feedback_slope,
     kick_bounds,
     least_decay,
     push_bound,
     rest_bound,
+    slope_bound,
 )
+from neuralgaits.certificate.levels.full_order.hold_map import hold_shares
 from neuralgaits.certificate.levels.full_order.samples import GaitSamples, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
@@ -114,10 +116,12 @@ class NormPlans:
         self.gain = self.impact * float(np.sqrt((after**2).sum(axis=(1, 2)).max()))
         self.reset = self.impact * _size(samples.reset @ inverse_pair).max(axis=0)
         jerk, along, moved = samples.jerk
+        self.exact = not samples.law.in_xi.any()
         self.jerk = Jerk(
             JERK * float(_size(jerk @ matrix.T).max()),
-            growth_bound(matrix @ along @ inverse_pair, bandwidth, tight=samples.tight),
+            slope_bound(matrix @ along @ inverse_pair, bandwidth, exact=self.exact),
             push_bound(matrix @ moved @ inverse, samples.law.in_xi),
+            feedback_slope(bandwidth) if self.exact else 0.0,
         )
         self.kick = None
         if samples.kick is not None:
@@ -144,11 +148,9 @@ class NormPlans:
         if not (hold > 0.0 and self.gamma > 0.0):
             return none
         bounds = self._hold_bounds(hold)
-        slower = 1.0 - 2.0 * self.factor * bounds.push[1] / self.gamma
+        slower, floor = self._slower_and_floor(hold, bounds)
         if slower <= 0.2:
             return none
-        # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep outputs.
-        floor = 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
         left = math.exp(-slower * self.shrink * self.strip**2)
         growth = max(self.gain, 1.1) / full
         if growth * left >= 0.9:
@@ -186,6 +188,17 @@ class NormPlans:
         if 0.0 in sigma:
             return none
         return Plan(self.matrix, hold, radius, floor, self.gamma_share * slower, sigma, self)
+
+    def _slower_and_floor(self, hold: float, bounds: Held) -> tuple[float, float]:
+        """Return the share of the decay that a hold leaves, and the least radius [rad]."""
+        if not self.exact:
+            slower = 1.0 - 2.0 * self.factor * bounds.push[1] / self.gamma
+            # Bound on sqrt(V), as a multiple of the level at which pushes alone keep outputs.
+            return slower, 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
+        grown, slope = self.jerk.halves(hold, bounds)
+        shares = hold_shares(self.w, hold, slope)
+        floor = 1.02 * shares.floor * (grown + self.error) / self.w**2
+        return min(0.99 * 2.0 * shares.shrink / self.gamma, 1.0), floor
 
     def _hold_bounds(self, hold: float) -> Held:
         """Bound errors of a hold, that of the law at xi = 0 included."""

@@ -131,11 +131,6 @@ class GaitSamples:
     inertia: np.ndarray
     kick: WithPushSlopes | None = None
 
-    @property
-    def tight(self) -> bool:
-        """Whether held errors get little room: under a free clock, or a law of its own."""
-        return self.kick is not None or bool(self.law.in_xi.any())
-
 
 def doubled(matrix: np.ndarray) -> np.ndarray:
     """Apply a matrix to both halves of xi: return the block diagonal matrix."""
