@@ -20,7 +20,7 @@ from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
 from neuralgaits.gait import walking_posture
 from neuralgaits.gait.command_polynomials import factors
-from neuralgaits.gait.commands import LEAN, Command, Commands, command_named
+from neuralgaits.gait.commands import LEAN, SLOPE, Command, Commands, command_named
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
@@ -158,6 +158,9 @@ def commanded(
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
     additions = [COMMAND_TRAINING.get(command.name, CommandTraining()) for command in commands]
     weights = {name: value for one in additions for name, value in one.weights.items()}
+    if leans and command_named(commands, SLOPE) is not None:
+        # Of such gaits this condition was broken first, with three seeds of three.
+        weights["torso-lower"] = 3.0
     apart = 0.1  # Scale of the fences' distance from zero and from each other [unit of zeta].
     return replace(
         plain.with_conditions(FencesApart("fences-apart", "fence-lower", apart)),

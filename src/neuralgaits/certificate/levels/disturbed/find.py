@@ -50,9 +50,7 @@ def find_disturbed(
     gains: ScheduledGains | None = None,
     error: float = 0.0,
 ) -> DisturbedConstants | str:
-    """Return the longest hold and the largest push that points allow in the set.
-
-    Returns a sentence with the reason if there are none.
+    """Return the longest hold and the largest push that points allow in the set, or why none.
 
     Args:
         evaluators: functions that evaluate the gait, in the set's norm.
@@ -297,6 +295,5 @@ class _SampledBounds:
                 lost = lost * (1.0 + 1e-9) + 1e-12
                 room = float((value - weight * self.squares[:, k]).min() - lost)
                 if room > best[0]:
-                    name, gain = of.name, float(alpha)
-                    best = room, DisturbedBarrier(name, gain, float(weight), float(lost))
+                    best = room, DisturbedBarrier(of.name, float(alpha), float(weight), float(lost))
         return best[1]
