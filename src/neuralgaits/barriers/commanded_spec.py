@@ -143,9 +143,8 @@ def commanded(
         refuse_speed(robot, speed)
     leans = command_named(commands, LEAN) is not None
     z2_dependence = z2_dependence and not leans
-    lowest = {command.name: command.low for command in commands}
-    if speed is not None:
-        lowest["speed"] = speed
+    told = {} if speed is None else {"speed": speed}
+    lowest = {command.name: command.low for command in commands} | told
     shortest = 0.9  # As a share of the shortest step requested: footholds are met exactly.
     plain = walking(
         robot,
@@ -159,8 +158,7 @@ def commanded(
     additions = [COMMAND_TRAINING.get(command.name, CommandTraining()) for command in commands]
     weights = {name: value for one in additions for name, value in one.weights.items()}
     if leans and command_named(commands, SLOPE) is not None:
-        # Of such gaits this condition was broken first, with three seeds of three.
-        weights["torso-lower"] = 3.0
+        weights["torso-lower"] = 3.0  # Was broken first, with three seeds of three.
     apart = 0.1  # Scale of the fences' distance from zero and from each other [unit of zeta].
     return replace(
         plain.with_conditions(FencesApart("fences-apart", "fence-lower", apart)),

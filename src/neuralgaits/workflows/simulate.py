@@ -152,11 +152,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
     run, courses = at_first(run, schedule.first), None
     kept = run.command if constant else None
     if terrain is not None:
-        episodes = settings.episodes
-        steps = settings.steps
-        courses = courses_of(
-            terrain, run.robot, run.gait.policy, schedule, steps=steps, seed=seed, episodes=episodes
-        )
+        lengths = {"steps": settings.steps, "episodes": settings.episodes}
+        courses = courses_of(terrain, run.robot, run.gait.policy, schedule, seed=seed, **lengths)
         own = commands_from_terrain(terrain)
         kept = {name: value for name, value in (run.command or {}).items() if name not in own}
         run = at_first(run, courses.schedule.first)

@@ -11,7 +11,7 @@ import numpy as np
 
 
 class HoldErrors(NamedTuple):
-    """What errors add to outputs until a time in a hold, divided by w and by that time [rad].
+    """Changes of outputs by errors until a time in a hold, divided by w and by that time [rad].
 
     Or [1], per rad of the bound on sqrt(V).
 
