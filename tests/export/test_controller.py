@@ -8,6 +8,7 @@ import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.control import Fblin
+from neuralgaits.control.controlled_gait import ControlledGait
 from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.errors import MismatchError
@@ -19,6 +20,7 @@ from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.joint_inertia import JointResponse
+from neuralgaits.simulation.setup.starts import momentum_range
 from support.compiled import folder_with
 from support.designs import design_for
 from support.random_biped import random_biped
@@ -183,6 +185,8 @@ def test_facts_are_in_the_header(design, files):
 
 def test_other_gaits_have_other_headers(design):
     """The header says which policy; nothing of it is a fixed text."""
-    gait = specs.walking(design.controller.robot).new_gait(jax.random.key(4), "posture", None)
-    other = Design(gait, design.controllers, design.safeguard, design.origin)
+    robot = design.controller.robot
+    gait = specs.walking(robot).new_gait(jax.random.key(4), "posture", None)
+    controlled = ControlledGait(robot, gait, momentum_range(gait))
+    other = Design.of(controlled, {k: c.law for k, c in design.controllers.items()}, design.origin)
     assert gait_files(other)["gait.c"] != gait_files(design)["gait.c"]
