@@ -12,6 +12,7 @@ from typing import Any
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.run_certificate.proved_law import law_proofs
 from neuralgaits.certificate.run_certificate.verified_summary import (
     CertificateReading,
     read_certificate,
@@ -115,13 +116,13 @@ def ask_header(run: Path) -> Heard:
     except NeuralGaitsError:
         full = None
     design = _design(opened, None if full is None else full.bandwidth)
-    design, _ = with_monitor(design, opened, certificate)
-    monitor = design.monitor
-    words = [one.words for one in design.law_proofs]
+    monitor = with_monitor(design, opened, certificate)[0].monitor
+    proofs = law_proofs(opened, certificate, design.controllers)
+    words = [one.words for one in proofs]
     if monitor is not None:
         hold = "none" if monitor.hold_s is None else f"{1e3 * monitor.hold_s:.7g} ms"
         words.append(f"monitor of levels {monitor.levels}, hold {hold}")
-    proved = any(one.proved for one in design.law_proofs)
+    proved = any(one.proved for one in proofs)
     return Heard("proved" if proved else "none", "\n".join(words))
 
 
