@@ -2,7 +2,7 @@
 
 `.venv/bin/python tools/make_demo.py` replaces src/neuralgaits/demo_run; a minute or two.
 With `--speed` it replaces demo_speed_run, the gait that is told its speed, with `--lean`
-demo_lean_run, the gait that learns the torso's lean; their proofs are packed. With `--again` the
+demo_lean_run, the gait that learns the torso's lean; a large proof is packed. With `--again` the
 weights stay: the copy of the spec is made anew, and so is the proof.
 """
 

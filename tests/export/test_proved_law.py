@@ -23,6 +23,7 @@ from neuralgaits.control.joint_model import JointModel
 from neuralgaits.errors import InputError
 from neuralgaits.export import build
 from neuralgaits.export.cases import NEVER, of_region
+from neuralgaits.export.fmu.fmu_variables import variables_of
 from neuralgaits.export.reference import results_of
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.output_laws import ScheduledLaw
@@ -246,6 +247,8 @@ def test_the_law_that_is_proved_is_the_default_of_an_export(run, stated):
         assert written.default_law == name
         number = list(written.controllers).index(name)
         assert f"#define NG_LAW_DEFAULT {number}\n" in gait_files(written)["gait.h"]
+        (start,) = (one.start for one in variables_of(written) if one.name == "law")
+        assert start == number
         other = design_of(run, certificate, bandwidth=35.0)
         assert not any(one.proved for one in other.law_proofs) and other.default_law == "pd"
     slow = certificate_with(full, replace(shape, hold=5e-4))

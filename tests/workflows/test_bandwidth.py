@@ -6,12 +6,14 @@ import shutil
 import pytest
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate.run_certificate.proved_law import ProvedLaw
 from neuralgaits.control.law_by_name import at_bandwidth, exported_laws, fields_of_law, law_named
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page.repeat_commands import simulating
 from neuralgaits.report.shown_walk import request_of
 from neuralgaits.runs import to_json
+from neuralgaits.workflows import proved_controller
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
 
@@ -47,6 +49,17 @@ def test_it_is_recorded_shown_and_repeated(run, walked):
     assert line is not None and "--bandwidth" not in line
     run.folder.write_json("simulation/summary.json", again)
     assert request_of(run).bandwidth == 50.0
+
+
+def test_that_of_a_proof_is_taken_if_none_is_given(run, walked, monkeypatch):
+    """As a proof of level 5 about this law; a law that it is not about keeps its own."""
+    proved = ProvedLaw("scheduled-pd", 50.0, 1.1e-3, "touchdown")
+    monkeypatch.setattr(proved_controller, "proved_law", lambda certificate: proved)
+    taken, other = simulate(run, **WALKED), simulate(run, **WALKED, bandwidth=40.0)
+    assert taken.summary.bandwidth == taken.summary.law["bandwidth"] == 50.0
+    assert taken.summary.peak_torque_nm == walked[50.0].summary.peak_torque_nm
+    assert other.summary.law["bandwidth"] == 40.0
+    assert simulate(run, steps=2, controller="fblin").summary.law["bandwidth"] == 30.0
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ FOLDER = Path(__file__).parents[1] / "demo_run"
 TOLD = FOLDER.with_name("demo_speed_run")
 """Shipped run folder of a gait that takes speed commands; its proof is compressed."""
 BELIEVED = FOLDER.with_name("demo_lean_run")
-"""Shipped run folder of a gait that learns a lean of the torso; its proof is compressed."""
+"""Shipped run folder of a gait that learns a lean of the torso."""
 
 
 @type_checked

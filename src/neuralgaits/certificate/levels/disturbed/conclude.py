@@ -52,8 +52,9 @@ def constant_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> li
     """Return every constant that level 5 adds."""
     always, loop = _always(full, disturbed), step_factor(full, decay(full, disturbed))
     # Errors up to the push are borne where sqrt(V) is small, too.
-    kept = 2 * factor(full) * (always + rest(disturbed)) / decay(full, disturbed)
-    if not disturbed.scheduled:
+    if disturbed.scheduled:
+        kept = 2 * factor(full) * (always + rest(disturbed)) / decay(full, disturbed)
+    else:
         kept = 2 * always / arb(full.bandwidth) ** 2
     rows = [
         TheoremConstant("push", below(always), "rad/s^2", "every e with |S e| up to this", "least"),
@@ -107,7 +108,7 @@ def _hold_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[
             "jerk", abs(disturbed.jerk), "rad/s^3", "|S d3y| of held torques, nothing off",
         ),
         TheoremConstant(
-            *(("growth slope",) if disturbed.scheduled else ("jerk slope",)),
+            "growth slope" if disturbed.scheduled else "jerk slope",
             abs(disturbed.growth_slope), "rad/s^3/rad",
             "of S de/dt in xi" if disturbed.scheduled else "of S d3y in xi",
         ),
@@ -134,18 +135,14 @@ def _kick_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[
 
 def _always(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Return the |S e| up to which any error is tolerated anywhere in the set."""
-    least = arb(full.least_radius)
-    push, peak = (
-        arb(first) + arb(slope) * bound
-        for (first, slope), bound in (
-            (disturbed.push, least if disturbed.scheduled else arb(full.radius)),
-            (disturbed.peak, least),
-        )
-    )
+    least, (still, slope) = arb(full.least_radius), map(arb, disturbed.push)
     if disturbed.scheduled:
-        return push - rest(disturbed)
-    # Forces, barriers and the least radius allow it: docs/level5_proof.md.
-    return push.min(peak).min(arb("0.4999995") * arb(full.bandwidth) ** 2 * least)
+        return still + slope * least - rest(disturbed)
+    # What barriers, forces and the least radius allow: docs/level5_proof.md.
+    of_barriers = still + slope * arb(full.radius)
+    of_forces = arb(disturbed.peak[0]) + arb(disturbed.peak[1]) * least
+    of_radius = arb("0.4999995") * arb(full.bandwidth) ** 2 * least
+    return of_barriers.min(of_forces).min(of_radius)
 
 
 def _size_of_norm(full: FullOrderConstants) -> arb:
