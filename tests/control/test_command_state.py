@@ -7,10 +7,9 @@ import pytest
 
 from neuralgaits.control import Controller, Fblin, Measurement, Pd, start, step, tell
 from neuralgaits.control import command_state as tolds
-from neuralgaits.control.measurement import leg_joints
+from neuralgaits.control.measurement import leg_joints, standing_hip_velocity
 from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.dynamics import hip_velocity
 from support.designs import FOOTHOLDS, SPEED, family_for
 
 
@@ -81,7 +80,7 @@ def reading(robot, q, dq, force):
         dpitch=jnp.asarray(float(np.sum(dq[:3]))),
         angles=leg_joints(robot.layout, jnp.asarray(q[1:]), jnp.asarray(0)),
         rates=leg_joints(robot.layout, jnp.asarray(dq[1:]), jnp.asarray(0)),
-        hip_velocity=hip_velocity(robot, q, dq),
+        hip_velocity=standing_hip_velocity(robot, q, dq),
         normal_force=jnp.asarray(force),
     )
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from neuralgaits.control import PAPER, Controller, Fblin, Measurement, Pd, start, step
-from neuralgaits.control.measurement import leg_joints
+from neuralgaits.control.measurement import leg_joints, standing_hip_velocity
 from neuralgaits.gait import AbstractPolicy, BezierPolicy
-from neuralgaits.robots.dynamics import hip_velocity
 
 
 @pytest.fixture
@@ -18,7 +17,7 @@ def policy(rng):
 
 
 def a_measurement(amber, q, dq, leg=0, force=(0.0, 0.0)):
-    """Sensors of AMBER standing with its stance foot at rest."""
+    """Sensors of AMBER standing on a foot that does not slip."""
     pitch, dpitch = float(np.sum(q[:3])), float(np.sum(dq[:3]))
     return Measurement(
         time=jnp.zeros(()),
@@ -26,7 +25,7 @@ def a_measurement(amber, q, dq, leg=0, force=(0.0, 0.0)):
         dpitch=jnp.asarray(dpitch),
         angles=leg_joints(amber.layout, jnp.asarray(q[1:]), jnp.asarray(leg)),
         rates=leg_joints(amber.layout, jnp.asarray(dq[1:]), jnp.asarray(leg)),
-        hip_velocity=hip_velocity(amber, q, dq),
+        hip_velocity=standing_hip_velocity(amber, q, dq),
         normal_force=jnp.asarray(force),
     )
 

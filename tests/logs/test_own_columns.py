@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from neuralgaits import logs
+from neuralgaits.control.measurement import standing_hip_velocity
 from neuralgaits.control.momentum import momentum_about_foot
 from neuralgaits.errors import InputError
 from neuralgaits.logs.formats import mapped as mapped_format
 from neuralgaits.logs.formats.column_file import joints_of, read_columns
 from neuralgaits.logs.formats.sheet import text_of
-from neuralgaits.robots.dynamics import hip_velocity
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.mjcf_state import StateMap
 from support import own_columns
@@ -160,10 +160,13 @@ def test_it_can_be_written_in_the_project_s_own_format(amber, encoders, tmp_path
 
 
 def test_the_speed_of_the_hip_tells_that_of_the_foot(amber, zd, log, columns, tmp_path):
-    """With it z2 is the momentum about a foot that creeps."""
+    """With it z2 is the momentum about a foot that creeps while it rolls."""
     creep = np.array([0.004, -0.002])
     q, dq = log.q, log.dq
-    hip = np.asarray(jax.jit(jax.vmap(lambda a, b: hip_velocity(amber, a, b)))(q, dq)) + creep
+    hip = (
+        np.asarray(jax.jit(jax.vmap(lambda a, b: standing_hip_velocity(amber, a, b)))(q, dq))
+        + creep
+    )
     momentum = jax.jit(jax.vmap(lambda a, b: momentum_about_foot(amber, a, b, creep)))
     known = {**columns, "vx": 1e3 * hip[:, 0], "vz": 1e3 * hip[:, 1]}
     names = [*own_columns.COLUMNS, "vx", "vz", *(f"d{name}" for name in RATED), "gyro"]

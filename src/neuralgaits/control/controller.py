@@ -231,7 +231,7 @@ def step(
         controller.stance, robot, state.stance, q_before, force, period
     )
     q, dq = coordinates(robot, measurement, standing.leg)
-    foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
+    foot_velocity = stance_foot_velocity(robot, q, dq, measurement.hip_velocity)
     now = controller.latch(state.commands, touchdown)
     robot = controller.believed(now)
     reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))

@@ -22,6 +22,7 @@ from neuralgaits.control.measurement import (
     coordinates,
     pitch_rate,
     stance_foot_velocity,
+    standing_hip_velocity,
     stance_joints,
 )
 from neuralgaits.control.momentum import zero_state
@@ -83,7 +84,7 @@ def estimate(
     # About the foot that stands now: what the old stance leg had before an impact, if it has
     # changed, and otherwise the momentum as it was left.
     q, dq = coordinates(robot, last, leg)
-    z, dz = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, last))
+    z, dz = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, last.hip_velocity))
     momentum_rate = momentum_of(dz) if ankle is None else momentum_of(dz) + ankle
     usual, quick = estimator.joint_gains(period_s)
     gains = jnp.where(standing.since_touchdown < estimator.quick_s, quick, usual)
@@ -111,7 +112,7 @@ def estimate(
 def pinned(
     robot: SensedRobot, q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar
 ) -> tuple[Coordinates, Planar]:
-    """Compute the rates of a robot from its momentum while its stance foot is at rest.
+    """Compute the rates of a robot from its momentum while its stance foot does not slip.
 
     Args:
         robot: the model.
@@ -127,4 +128,4 @@ def pinned(
     inertia = robot.momentum(q, axes[0])[0]
     first = (z2 - robot.momentum(q, others)[0]) / inertia + extra
     dq = others + first * axes[0]
-    return dq, robot.hip_velocity(q, dq)
+    return dq, standing_hip_velocity(robot, q, dq)

@@ -140,11 +140,32 @@ def pitch_rate(robot: SensedRobot, dq: Coordinates, stance: Int[Array, ""]) -> S
     return robot.pitch_row(stance) @ dq
 
 
-def stance_foot_velocity(
-    robot: SensedRobot, q: Coordinates, dq: Coordinates, measurement: Measurement
-) -> Planar:
-    """Velocity of the stance foot, zero where it neither slips nor settles.
+def standing_hip_velocity(robot: SensedRobot, q: Coordinates, dq: Coordinates) -> Planar:
+    """Velocity of the hip while the stance foot neither slips nor settles.
+
+    A point foot is a sphere: on level ground its centre moves by radius times rotation. The model
+    pins the centre.
 
     Returns: [2], (x, z) (m/s).
     """
-    return measurement.hip_velocity - robot.hip_velocity(q, dq)
+    along, up = robot.hip_velocity(q, dq)
+    if robot.layout.ankles:
+        return jnp.stack([along, up])
+    # q[0] is the angle of the lowest link, counter-clockwise seen with x to the right.
+    return jnp.stack([along - robot.foot_radius * dq[0], up])
+
+
+def stance_foot_velocity(
+    robot: SensedRobot, q: Coordinates, dq: Coordinates, hip_velocity: Planar
+) -> Planar:
+    """Velocity at which the stance foot slips or settles, zero where it rolls or stands still.
+
+    Args:
+        robot: the model.
+        q: coordinates (rad). [n]
+        dq: their rates (rad/s). [n]
+        hip_velocity: measured velocity of the hip, (x, z) (m/s). [2]
+
+    Returns: [2], (x, z) (m/s).
+    """
+    return hip_velocity - standing_hip_velocity(robot, q, dq)

@@ -1,8 +1,8 @@
 """The zero dynamics state as a controller measures it.
 
-z2 is the true angular momentum about the stance foot, taken from the floating-base state: it is
-continuous across touchdown. Computed as D_row dq, for a pinned foot, it would jump while a soft
-contact settles and throw the policy off.
+z2 is the angular momentum about the stance foot, taken from the floating-base state, less what the
+foot's rolling moves the robot: that of the model, whose foot is pinned, plus what slips or settles.
+Computed as D_row dq alone it would jump while a soft contact settles and throw the policy off.
 """
 
 import jax.numpy as jnp
@@ -15,7 +15,13 @@ from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 def momentum_about_foot(
     robot: SensedRobot, q: Coordinates, dq: Coordinates, foot_velocity: Planar
 ) -> Scalar:
-    """Angular momentum about the position of the moving stance foot, positive forward.
+    """Angular momentum about the position of the stance foot, positive forward.
+
+    Args:
+        robot: the model.
+        q: coordinates (rad). [n]
+        dq: their rates (rad/s). [n]
+        foot_velocity: velocity at which the foot slips or settles, see `stance_foot_velocity`.
 
     Returns: scalar z2 (kg m^2/s).
     """

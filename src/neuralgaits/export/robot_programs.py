@@ -13,6 +13,7 @@ from neuralgaits.control import Controller
 from neuralgaits.control.clf_qp import ground_force
 from neuralgaits.control.estimator import pinned
 from neuralgaits.control.lean_sums import with_derivative
+from neuralgaits.control.measurement import stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import LEAN, place_of
@@ -44,8 +45,7 @@ def zero_dynamics_state(controller: Controller) -> Part:
         q: Coordinates, dq: Coordinates, hip_velocity_: Planar, lean: Scalar | None = None
     ) -> dict[str, Array]:
         own = leaning_robot(robot, lean)
-        foot = hip_velocity_ - own.hip_velocity(q, dq)
-        z, dz = zero_state(own, q, dq, foot)
+        z, dz = zero_state(own, q, dq, stance_foot_velocity(own, q, dq, hip_velocity_))
         return {"z": z, "dz": dz, "ddz2": own.momentum_rate_rate(q, dq)[0]}
 
     n = robot.n

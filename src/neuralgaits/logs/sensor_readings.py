@@ -123,7 +123,7 @@ def _states(robot: SensedRobot, rows: Float[Array, "b c"]) -> Float[Array, "b d"
     def one(row: Array) -> Array:
         reading = _reading(robot, row[2:])
         q, dq = coordinates(robot, reading, row[0].astype(int))
-        moving = stance_foot_velocity(robot, q, dq, reading)
+        moving = stance_foot_velocity(robot, q, dq, reading.hip_velocity)
         z, dz = zero_state(robot, q, dq, jnp.where(row[1] > 0.0, 0.0, moving))
         return jnp.concatenate([q, dq, z, dz])
 

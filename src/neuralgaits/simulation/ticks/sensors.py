@@ -66,5 +66,5 @@ def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
 def true_z(robot: SensedRobot, truth: Measurement, leg: Int[Array, ""]) -> ZeroState:
     """Return z of a robot that stands on `leg` (m, kg m^2/s). Returns: [2]."""
     q, dq = coordinates(robot, truth, leg)
-    z, _ = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, truth))
+    z, _ = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, truth.hip_velocity))
     return z
