@@ -22,8 +22,8 @@ from neuralgaits.control.measurement import (
     coordinates,
     pitch_rate,
     stance_foot_velocity,
-    standing_hip_velocity,
     stance_joints,
+    standing_hip_velocity,
 )
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.touchdown import StanceState
