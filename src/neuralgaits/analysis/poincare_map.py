@@ -28,7 +28,7 @@ def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
     z0 = np.asarray(z0, dtype=float)
     if z0.shape != (2,) or not np.all(np.isfinite(z0)):
         raise InputError(f"z0: expected two finite numbers (z1, z2), found {z0}")
-    motion, mesh = motion_of(zd), Mesh.of_leg(zd.robot.leg_length)
+    motion, mesh = motion_of(zd), Mesh.of_leg(zd.robot.layout.leg_length)
     with np.errstate(all="ignore"):
         start = z0[None]
         if z0[0] > 0.0:

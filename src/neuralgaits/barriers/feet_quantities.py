@@ -7,14 +7,14 @@ from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers.quantities import SIGNS, arc
 from neuralgaits.barriers.quantity_words import quantity
 from neuralgaits.gait import Point
-from neuralgaits.robots.dynamics import sole_ends, sole_velocities
+from neuralgaits.robots.robot_file import flat_feet_of
 
 End = Literal["heel", "toe"]
 
 
 def _inside(p: Point, end: End, share: float, normal: Scalar, moment: Scalar) -> Scalar:
     """Distance of the centre of pressure from that end of the sole's middle part, times force."""
-    feet = p.robot.flat_feet
+    feet = flat_feet_of(p.robot)
     middle, half = 0.5 * (feet.toe - feet.heel), 0.5 * share * (feet.toe + feet.heel)
     if end == "heel":
         return moment - (middle - half) * normal
@@ -99,7 +99,7 @@ class AnkleReserve:
     def __call__(self, p: Point) -> Scalar:
         """Return one plus or minus torque over (share x limit)."""
         torque = p.robot.damping[0] * p.dq[0] - p.ankle_torque
-        used = torque / (self.share * p.robot.flat_feet.torque_limit)
+        used = torque / (self.share * flat_feet_of(p.robot).torque_limit)
         return 1.0 + used if self.side == "lower" else 1.0 - used
 
 
@@ -119,19 +119,19 @@ class SoleAboveArc:
 
     def __call__(self, p: Point) -> Float[Array, "2"]:
         """Return the heights of heel and toe minus the arc's [m]. [2]."""
-        return sole_ends(p.robot, p.q)[:, 1] - arc(p, self.clearance)
+        return p.robot.sole_ends(p.q)[:, 1] - arc(p, self.clearance)
 
 
 @quantity("vertical velocity of heel and toe of the swinging foot", "m/s")
 def sole_vertical_velocity(p: Point) -> Float[Array, "2"]:
     """Vertical velocity of heel and toe of the swing foot [m/s]. [2]."""
-    return sole_velocities(p.robot, p.q, p.dq)[:, 1]
+    return p.robot.sole_velocities(p.q, p.dq)[:, 1]
 
 
 @quantity("upward velocity of heel and toe of the old standing foot after touchdown", "m/s")
 def old_sole_lift(p: Point) -> Float[Array, "2"]:
     """Velocity of heel and toe of the old stance foot off the ground after the impact [m/s]."""
-    return sole_velocities(p.robot, p.impact.q, p.impact.dq)[:, 1]
+    return p.robot.sole_velocities(p.impact.q, p.impact.dq)[:, 1]
 
 
 @quantity("angle of the standing ankle", "rad")

@@ -20,6 +20,7 @@ from neuralgaits.barriers.walking import (
 )
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.posture import REFERENCE_MASS_KG
+from neuralgaits.robots.robot_file import flat_feet_of
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -54,7 +55,7 @@ def flat_footed(robot: "PlanarBiped") -> GaitSpec:
 
 def _sole(robot: "PlanarBiped") -> list[AbstractCondition]:
     """Conditions of both soles, and of the range of the stance ankle."""
-    unit, feet = units(robot), robot.flat_feet
+    unit, feet = units(robot), flat_feet_of(robot)
     reach = 0.5 * float(feet.heel + feet.toe)
     moment = 0.5 * reach * unit.weight_n
     push = 5.0 * unit.mass_kg * unit.speed / REFERENCE_MASS_KG

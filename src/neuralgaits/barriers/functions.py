@@ -12,11 +12,6 @@ from neuralgaits.barriers.quantity_words import quantity
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point
 from neuralgaits.gait.zero_coordinates import momentum_of, position_of
-from neuralgaits.robots.dynamics import (
-    hip_position,
-    hip_velocity,
-    swing_foot_velocity,
-)
 
 # Those with numbers of their own are classes in `quantities.py` and `feet_quantities.py`.
 at_least = quantities.AtLeast
@@ -94,19 +89,19 @@ def foot_vertical_velocity(p: Point) -> Scalar:
 @quantity("height of the hip", "m")
 def hip_height(p: Point) -> Scalar:
     """Hip height above the stance foot [m]."""
-    return hip_position(p.robot, p.q)[1]
+    return p.robot.hip_position(p.q)[1]
 
 
 @quantity("hip ahead of the standing foot", "m")
 def hip_forward(p: Point) -> Scalar:
     """Hip position ahead of the stance foot [m]."""
-    return hip_position(p.robot, p.q)[0]
+    return p.robot.hip_position(p.q)[0]
 
 
 @quantity("forward speed of the hip", "m/s")
 def hip_speed(p: Point) -> Scalar:
     """Forward velocity of the hip [m/s]."""
-    return hip_velocity(p.robot, p.q, p.dq)[0]
+    return p.robot.hip_velocity(p.q, p.dq)[0]
 
 
 @quantity("forward speed of the hip, linearised", "m/s", gist="a hip that always moves forward")
@@ -197,5 +192,5 @@ def normal_impulse(p: Point) -> Scalar:
 @quantity("upward velocity of the old standing foot after touchdown", "m/s")
 def old_foot_lift(p: Point) -> Scalar:
     """Velocity of the old stance foot off the ground just after the impact [m/s]."""
-    velocity = swing_foot_velocity(p.robot, p.impact.q, p.impact.dq)
+    velocity = p.robot.swing_foot_velocity(p.impact.q, p.impact.dq)
     return velocity[1] - p.landing_rise * velocity[0]

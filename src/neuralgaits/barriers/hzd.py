@@ -18,7 +18,9 @@ from neuralgaits.barriers.walking import pendulum_height, regions_of_step, units
 from neuralgaits.gait import BezierPolicy, walking_posture
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.posture import REFERENCE_MASS_KG
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.tubes import Tube
+from neuralgaits.robots.robot_source import planar_biped
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -66,14 +68,14 @@ def _new_gait(
     return Gait(policy, empty_tube(robot, (-guard, guard)))
 
 
-def empty_tube(robot: "PlanarBiped", span: tuple[float, float]) -> Tube:
+def empty_tube(robot: SteppingRobot, span: tuple[float, float]) -> Tube:
     """Return a tube without fences.
 
     Args:
-        robot: sets the unit of zeta.
+        robot: planar biped, which sets the unit of zeta.
         span: z1 after the impact and at the guard [m].
     """
-    unit = 0.5 * float(robot.mass * pendulum_height(robot)) ** 2
+    unit = 0.5 * float(robot.mass * pendulum_height(planar_biped(robot))) ** 2
     none = np.zeros(FENCE_DEGREE + 1)
     return Tube(none, none.copy(), np.asarray(unit), np.asarray(span, np.float64), trained=True)
 

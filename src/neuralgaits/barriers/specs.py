@@ -6,7 +6,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple, ParamSpec
 
-from neuralgaits._printable import shown
 from neuralgaits.barriers import commanded_spec as _commanded_spec
 from neuralgaits.barriers import flat_feet as _flat_feet
 from neuralgaits.barriers import hzd as _hzd
@@ -16,10 +15,12 @@ from neuralgaits.barriers import rugged as _rugged
 from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.spec_files import spec_from_file
-from neuralgaits.errors import InputError, SpecError
+from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import Commands
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import Box
+from neuralgaits.robots.robot_file import RobotFile
+from neuralgaits.robots.robot_source import planar_biped
 
 __all__ = [
     "BUILT_IN",
@@ -53,8 +54,7 @@ def _robot_checked(
     @wraps(make)
     def call(*args: P.args, **kwargs: P.kwargs) -> GaitSpec:
         if args or "robot" in kwargs:
-            robot: Any = args[0] if args else kwargs["robot"]
-            _refuse_no_robot(robot)
+            robot = planar_biped(args[0] if args else kwargs["robot"])
             if robot.feet is not None and not flat_feet:
                 raise _flat_footed_refused(make.__name__, robot)
         return make(*args, **kwargs)
@@ -68,14 +68,6 @@ def _flat_footed_refused(name: str, robot: Any) -> SpecError:
         "--spec out, or give the robot point feet with "
         "`neuralgaits inspect FILE --planarise OUT.xml`"
     )
-
-
-def _refuse_no_robot(robot: object) -> None:
-    if not isinstance(robot, PlanarBiped):
-        raise InputError(
-            f"robot: expected a PlanarBiped, found {shown(robot)}: load one, as in "
-            'load_robot("amber3m")'
-        )
 
 
 at_speed = _robot_checked(_commanded_spec.at_speed)
@@ -158,7 +150,7 @@ def is_built_in(name: str) -> bool:
     return name in BUILT_IN or name == GIVEN
 
 
-def for_robot(name: str, robot: PlanarBiped) -> str:
+def for_robot(name: str, robot: RobotFile) -> str:
     """Return the name of the spec that suits a robot: "walking" is another one on flat feet.
 
     Raises: SpecError for a built-in spec of point feet, and a robot with flat ones.
@@ -172,7 +164,7 @@ def for_robot(name: str, robot: PlanarBiped) -> str:
 
 def load(
     name: str,
-    robot: PlanarBiped,
+    robot: RobotFile,
     commands: Commands = (),
     speed: float | None = None,
     parameters: Box | None = None,
@@ -191,7 +183,7 @@ def load(
 
     Raises: InputError on anything but a robot, SpecError on names and settings that do not fit.
     """
-    _refuse_no_robot(robot)
+    robot = planar_biped(robot)
     if robot.feet is not None and (commands or speed is not None or parameters):
         raise SpecError(
             f"expected one gait without a speed, commands or --parameters for a robot with flat "

@@ -19,8 +19,8 @@ from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
 from neuralgaits.gait.commands import LEAN, Commands, command_named
 from neuralgaits.gait.policies.commanded_gait import AnyGait
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.programs.program import MOST_AXES
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import plain
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def refuse_many_axes(spec: GaitSpec) -> None:
 
 
 def refuse_untraceable(
-    spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, file: Path | None = None
+    spec: GaitSpec, robot: SteppingRobot, gait: AnyGait, file: Path | None = None
 ) -> None:
     """Trace the conditions, with a smooth network in place of a ReLU network.
 
@@ -102,7 +102,7 @@ def refuse_untraceable(
         raise spec_file_errors.miswritten(name, error, file) from error
 
 
-def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
+def _culprit(spec: GaitSpec, robot: SteppingRobot, gait: AnyGait) -> str | None:
     """Return a user's own condition that raises; None if only conditions of this package do.
 
     The fault may be a number in place of a function, or a bound of the wrong shape. No line of the
@@ -126,7 +126,7 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
     return None if any(map(raises, basis)) else suspect.name
 
 
-def _built_in_conditions(robot: PlanarBiped) -> list[Any]:
+def _built_in_conditions(robot: SteppingRobot) -> list[Any]:
     """Return the conditions of a robot's built-in specs, as data."""
     names = []
     for name in specs.BUILT_IN:

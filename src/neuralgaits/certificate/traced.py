@@ -18,14 +18,14 @@ from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.believed_robot import robot_of_step
 from neuralgaits.gait.commands import Pair, all_pairs
 from neuralgaits.gait.policies.commanded_gait import AnyGait
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.mjcf.parameters import Model, model_of, nominal_robot
+from neuralgaits.robots.mjcf.parameters import RobotFamily, model_of, nominal_robot
 
 
 def trace_spec(
-    spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
+    spec: GaitSpec, robot: SteppingRobot, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
 ) -> Program:
     """Trace margins of all conditions as a Program of the chart point u.
 
@@ -41,7 +41,10 @@ def trace_spec(
 
 
 def step_at(
-    model: Model, gait: AnyGait, u: Float[Array, " n"], residuals: Residuals = NO_RESIDUALS
+    model: SteppingRobot | RobotFamily,
+    gait: AnyGait,
+    u: Float[Array, " n"],
+    residuals: Residuals = NO_RESIDUALS,
 ) -> tuple[Gait, ZeroDynamics]:
     """Return gait and zero dynamics of a chart point's step, as one smooth formula.
 
@@ -61,7 +64,7 @@ def step_at(
 
 
 def after_impact(
-    robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
+    robot: SteppingRobot, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
 ) -> dict[str, float] | None:
     """Return the outputs' errors after the exact impact, the worst over the end of the tube.
 

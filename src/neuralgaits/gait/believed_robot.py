@@ -3,14 +3,12 @@
 from neuralgaits._types import Array, Float
 from neuralgaits.gait.commands import LEAN, Commands, place_of
 from neuralgaits.gait.gaits import Gait
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.robots.mjcf.leaning import leaning_robot
-from neuralgaits.robots.mjcf.parameters import Model, nominal_robot, robot_at
+from neuralgaits.robots.mjcf.parameters import Robot, RobotFamily, nominal_robot, robot_at
 
 
-def believed_robot(
-    robot: PlanarBiped, commands: Commands, command: Float[Array, " p"]
-) -> PlanarBiped:
+def believed_robot(robot: Robot, commands: Commands, command: Float[Array, " p"]) -> Robot:
     """Return the robot that a gait with these commands believes in.
 
     Args:
@@ -22,7 +20,9 @@ def believed_robot(
     return robot if at is None else leaning_robot(robot, command[at])
 
 
-def robot_of_step(model: Model, step: Gait, errors: Float[Array, " k"]) -> PlanarBiped:
+def robot_of_step(
+    model: SteppingRobot | RobotFamily, step: Gait, errors: Float[Array, " k"]
+) -> SteppingRobot:
     """Return the robot that a step is walked by.
 
     Args:

@@ -14,9 +14,9 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.third_order import ThirdOrderPolicy
 from neuralgaits.gait.zero_coordinates import combined, product, solved
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.linear import solve
 
 
@@ -30,7 +30,7 @@ class FullPoint(Point):
 
     def __init__(
         self,
-        robot: PlanarBiped,
+        robot: SteppingRobot,
         policy: AbstractPolicy,
         z: ZeroState,
         eta: Float[Array, " two_m"],

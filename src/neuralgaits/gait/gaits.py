@@ -8,9 +8,9 @@ from neuralgaits.gait.commands import CommandPoint, Commands
 from neuralgaits.gait.network import movable
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.tubes import Number, Tube
 from neuralgaits.gait.zero_coordinates import momentum_of, position_of
-from neuralgaits.robots import PlanarBiped
 
 
 class Gait(eqx.Module):
@@ -33,7 +33,7 @@ class Gait(eqx.Module):
 
     def at(
         self,
-        robot: PlanarBiped,
+        robot: SteppingRobot,
         v: CommandPoint,
         reset_residual: ResetCorrection = None,
         *,
@@ -100,7 +100,7 @@ class Gait(eqx.Module):
         low, high = self.tube.fences(self.phase(position_of(z)))
         return (0.5 * momentum_of(z) * momentum_of(z) - low) / (high - low)
 
-    def match_impact(self, robot: PlanarBiped, reset_residual: ResetCorrection = None) -> "Gait":
+    def match_impact(self, robot: SteppingRobot, reset_residual: ResetCorrection = None) -> "Gait":
         """Recompute everything that follows from robot and parameters."""
         return Gait(self.policy.match_impact(robot, reset_residual), self.tube, self.next_tube)
 

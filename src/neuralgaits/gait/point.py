@@ -18,6 +18,7 @@ from neuralgaits.gait.policy import (
     refuse_other_joints,
 )
 from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.zero_coordinates import (
     ZeroCoordinates,
     combined,
@@ -25,8 +26,8 @@ from neuralgaits.gait.zero_coordinates import (
     product,
     solved,
 )
-from neuralgaits.robots import Impact, PlanarBiped, dynamics
-from neuralgaits.robots import impact as impacts
+from neuralgaits.robots.impact import Impact
+from neuralgaits.robots.robot_file import flat_feet_of
 
 
 def turned(vector: Planar, slope: Scalar) -> Planar:
@@ -45,7 +46,7 @@ class Point:
 
     def __init__(
         self,
-        robot: PlanarBiped,
+        robot: SteppingRobot,
         policy: AbstractPolicy,
         residual,
         z: ZeroState,
@@ -133,7 +134,7 @@ class Point:
     @cached_property
     def centre_of_mass(self) -> Planar:
         """Centre of mass from the stance foot [m]. [2]."""
-        return dynamics.centre_of_mass(self.robot, self.q)
+        return self.robot.centre_of_mass(self.q)
 
     @cached_property
     def _ankle(self) -> tuple[Scalar, ZeroState] | None:
@@ -225,29 +226,31 @@ class Point:
     @cached_property
     def torque(self) -> Actuated:
         """Joint torques that keep the outputs at zero [N m]. [m]."""
-        mass = dynamics.mass_matrix(self.robot, self.q)
-        return (mass @ self.ddq + dynamics.bias(self.robot, self.q, self.dq))[1:]
+        mass = self.robot.mass_matrix(self.q)
+        return (mass @ self.ddq + self.robot.bias(self.q, self.dq))[1:]
 
     @cached_property
     def force(self) -> Planar:
         """Ground force on the stance foot, (tangential, normal) [N]. [2]."""
-        return dynamics.ground_reaction_force(self.robot, self.q, self.dq, self.ddq)
+        return self.robot.ground_reaction_force(self.q, self.dq, self.ddq)
 
     @cached_property
     def pressure_moment(self) -> Scalar:
         """Normal force times the centre of pressure's place ahead of a flat foot's ankle [N m]."""
         torque = self.ankle_torque + self.robot.armature[0] * self.ddq[0]
-        return self.robot.flat_feet.pressure_moment(self.contact_force, torque, self.robot.gravity)
+        return flat_feet_of(self.robot).pressure_moment(
+            self.contact_force, torque, self.robot.gravity
+        )
 
     @cached_property
     def foot(self) -> Planar:
         """Swing foot from the stance foot, (x, z) [m]. [2]."""
-        return dynamics.swing_foot(self.robot, self.q)
+        return self.robot.swing_foot(self.q)
 
     @cached_property
     def foot_velocity(self) -> Planar:
         """Swing-foot velocity, (x, z) [m/s]. [2]."""
-        return dynamics.swing_foot_velocity(self.robot, self.q, self.dq)
+        return self.robot.swing_foot_velocity(self.q, self.dq)
 
     @property
     def step(self) -> Step:
@@ -299,7 +302,7 @@ class Point:
     @cached_property
     def impulse_moment(self) -> Scalar:
         """Normal impulse times its place ahead of a flat foot's ankle, in an impact now [N m s]."""
-        return impacts.pressure_moment(self.robot, self.q, self.dq)
+        return self.robot.impulse_moment(self.q, self.dq)
 
     @cached_property
     def impact(self) -> Impact:
@@ -307,7 +310,7 @@ class Point:
 
         A residual corrects the rates; the impulse is the model's.
         """
-        after = impacts.impact(self.robot, self.q, self.dq)
+        after = self.robot.impact(self.q, self.dq)
         if self.reset_residual is None:
             return after
         correction = self.reset_residual(self.z)
@@ -323,8 +326,8 @@ class Point:
         """
         q_new = self.robot.relabel @ self.q
         # Conjugate to q, so backwards positive: z2, forward positive, is minus its first entry.
-        momentum = impacts.momentum_after(self.robot, self.q, self.dq)
-        z1, z2 = self.robot.hip_gradient @ q_new, -momentum[0]
+        momentum = self.robot.momentum_after(self.q, self.dq)
+        z1, z2 = self.robot.position_rows[0] @ q_new, -momentum[0]
         if self.reset_residual is not None:
             z2 = z2 + self.reset_residual(self.z).momentum * momentum_of(self.z)
         return jnp.stack([z1, z2])

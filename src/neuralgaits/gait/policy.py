@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -15,10 +15,8 @@ from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.commands import Commands, Number, Pair, Step
 from neuralgaits.gait.network import Network, movable, scaled_inputs
 from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.zero_coordinates import combined
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
 
 
 class AbstractPolicy(eqx.Module):
@@ -67,7 +65,7 @@ class AbstractPolicy(eqx.Module):
         """z1 at the start of a step and at the guard (m)."""
 
     def match_impact(
-        self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
+        self, robot: SteppingRobot, reset_residual: ResetCorrection = None
     ) -> "AbstractPolicy":
         """Return the policy with everything that follows from robot and parameters recomputed.
 
@@ -84,7 +82,7 @@ class AbstractPolicy(eqx.Module):
 
     def at(
         self,
-        robot: "PlanarBiped",
+        robot: SteppingRobot,
         pair: Pair,
         reset_residual: ResetCorrection = None,
         *,
@@ -107,7 +105,7 @@ class AbstractPolicy(eqx.Module):
         return 0
 
     def parameters_of_step(
-        self, robot: "PlanarBiped", pair: Pair, reset_residual: ResetCorrection = None
+        self, robot: SteppingRobot, pair: Pair, reset_residual: ResetCorrection = None
     ) -> Float[Array, " s"]:
         """Return the parameters of a step between two commands, once a step. [step_size].
 
@@ -211,7 +209,7 @@ def output_jet(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
     return OutputJet(y, slopes.T)
 
 
-def refuse_other_joints(robot: "PlanarBiped", y: Actuated) -> None:
+def refuse_other_joints(robot: SteppingRobot, y: Actuated) -> None:
     """Check that outputs are one for each actuated joint of the robot.
 
     Raises: InputError if the policy is for a robot with other joints.

@@ -14,6 +14,7 @@ from neuralgaits.robots.robot_file import RobotFile
 
 if TYPE_CHECKING:
     from neuralgaits.gait.policy import NetworkPolicy
+    from neuralgaits.gait.stepping_robot import SteppingRobot
     from neuralgaits.robots import PlanarBiped
 
 REFERENCE_LEG_M = 0.8731
@@ -93,7 +94,7 @@ def momentum_unit(robot: RobotFile) -> float:
     return float(robot.mass) * length * float(np.sqrt(robot.gravity * length))
 
 
-def hip_indices(robot: "PlanarBiped") -> tuple[int, ...]:
+def hip_indices(robot: "SteppingRobot") -> tuple[int, ...]:
     """Indices of the hips among the actuated joints: stance and swing, or the only one."""
     middle = (robot.n - 1) // 2
     return (middle,) if robot.torso is None else (middle - 1, middle)

@@ -23,8 +23,8 @@ from neuralgaits._types import Actuated, Array, Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.tubes import chebyshev
-from neuralgaits.robots import PlanarBiped
 
 MARGIN = np.array([0.04, 0.1])
 """How far beyond the tube the polynomials are fitted, in phase and in level."""
@@ -48,7 +48,7 @@ class ScheduledGains(eqx.Module):
     inertia: Float[Array, "m m k l"]
 
     @classmethod
-    def of(cls, robot: PlanarBiped, gait: Gait) -> "ScheduledGains":
+    def of(cls, robot: SteppingRobot, gait: Gait) -> "ScheduledGains":
         """Fit a gait's torque and inertia, by least squares with the Chebyshev weight.
 
         At Chebyshev points the polynomials are orthogonal, so the sums need no linear solve.
@@ -115,7 +115,7 @@ class GainErrors:
     @classmethod
     def of(
         cls,
-        robot: PlanarBiped,
+        robot: SteppingRobot,
         gait: Gait,
         gains: ScheduledGains,
         counts: tuple[int, int] = _NODES,
@@ -136,7 +136,7 @@ class GainErrors:
 
 @quick_filter_jit
 def torque_and_inertia(
-    robot: PlanarBiped, gait: Gait, charts: Float[Array, "N 2"]
+    robot: SteppingRobot, gait: Gait, charts: Float[Array, "N 2"]
 ) -> tuple[Float[Array, "N m"], Float[Array, "N m m"]]:
     """Return the model's u0 [N m] and M = du/d(ddy) [kg m^2] at chart points (phase, level)."""
 

@@ -21,8 +21,8 @@ from neuralgaits._types import (
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_jet, refuse_other_joints
 from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.checks import vector
 
 
@@ -33,13 +33,13 @@ class ZeroDynamics(eqx.Module):
     shapes, and for a policy whose outputs are not one for each actuated joint.
 
     Attributes:
-        robot: the biped.
+        robot: the robot.
         policy: desired outputs y_d(z).
         residual: optional function z -> [2] (m/s, N m), or None.
         reset_residual: optional correction of the reset map, or None.
     """
 
-    robot: PlanarBiped
+    robot: SteppingRobot
     policy: AbstractPolicy
     residual: Callable[[ZeroState], ZeroState] | None = None
     reset_residual: ResetCorrection = None

@@ -27,9 +27,9 @@ class Steady(NamedTuple):
 def steady(zd: ZeroDynamics) -> Steady | str:
     """Return the attracting orbit of zero dynamics, or a sentence with the reason for none."""
     robot = zd.robot
-    weight, leg = float(robot.mass * robot.gravity), robot.leg_length
+    weight, leg = float(robot.mass * robot.gravity), robot.layout.leg_length
     pace = float(robot.mass) * leg * np.sqrt(float(robot.gravity) * leg)
-    motion, mesh = motion_of(zd), Mesh.of_leg(robot.leg_length)
+    motion, mesh = motion_of(zd), Mesh.of_leg(robot.layout.leg_length)
     # Speeds at the section, in sqrt(g l). Slow orbits pass it barely faster than a walk that does
     # not get over the foot; a coarse grid misses them.
     z2 = pace * np.linspace(0.01, 2.0, 200)

@@ -69,9 +69,29 @@ class PlanarBiped(BipedConstants):
         """
         return impact.impact(self, *self._checked_vectors(q=q, dq=dq))
 
+    def sole_ends(self, q: Coordinates) -> Float[Array, "2 2"]:
+        """Heel and toe of a flat swing foot, each (x, z). Returns: [2, 2] (m)."""
+        return dynamics.sole_ends(self, q)
+
+    def sole_velocities(self, q: Coordinates, dq: Coordinates) -> Float[Array, "2 2"]:
+        """Velocities of heel and toe, each (x, z). Returns: [2, 2] (m/s)."""
+        return dynamics.sole_velocities(self, q, dq)
+
+    def momentum_after(self, q: Coordinates, dq: Coordinates) -> Coordinates:
+        """Generalised momentum about the new stance foot after an impact [kg m^2/s]. [n]."""
+        return impact.momentum_after(self, q, dq)
+
+    def impulse_moment(self, q: Coordinates, dq: Coordinates) -> Scalar:
+        """Normal impulse of an impact times its place ahead of a flat foot's ankle [N m s]."""
+        return impact.pressure_moment(self, q, dq)
+
     def swing_foot(self, q: Coordinates) -> Planar:
         """Swing-foot position from the stance foot, (x, z). Returns: [2] (m)."""
         return dynamics.swing_foot(self, *self._checked_vectors(q=q))
+
+    def swing_foot_velocity(self, q: Coordinates, dq: Coordinates) -> Planar:
+        """Velocity of the swing foot, (x, z). Returns: [2] (m/s)."""
+        return dynamics.swing_foot_velocity(self, q, dq)
 
     def centre_of_mass(self, q: Coordinates) -> Planar:
         """Centre of mass from the stance foot, (x, z). Returns: [2] (m)."""

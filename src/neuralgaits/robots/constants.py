@@ -17,7 +17,6 @@ import equinox as eqx
 import numpy as np
 
 from neuralgaits._types import Array, Float
-from neuralgaits.errors import InputError
 from neuralgaits.robots.feet import FlatFeet
 from neuralgaits.robots.layout import MjcfLayout
 
@@ -90,13 +89,6 @@ class BipedConstants(eqx.Module):
     def n(self) -> int:
         """Number of generalised coordinates, which is the number of links."""
         return len(self.link_names)
-
-    @property
-    def flat_feet(self) -> FlatFeet:
-        """The robot's flat feet. Raises: InputError on point feet."""
-        if self.feet is None:
-            raise InputError(f"expected a robot with flat feet, found point feet at {self.name}")
-        return self.feet
 
     @property
     def leg_length(self) -> float:

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
 from neuralgaits.robots.constants import BipedConstants
 from neuralgaits.robots.linear import solve
+from neuralgaits.robots.robot_file import flat_feet_of
 
 
 def relative_angles(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
@@ -145,13 +146,13 @@ def sole_velocities(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> F
     """Velocities of heel and toe of a flat swing foot. Returns: [2, 2], (x, z) of each (m/s)."""
     angle, turning = robot.link_angles[-1] @ q, foot_angle_rate(robot, dq)
     x, z = _on_foot(robot, angle).T
-    of_turning = turning * jnp.stack([robot.flat_feet.height - z, x], axis=1)
+    of_turning = turning * jnp.stack([flat_feet_of(robot).height - z, x], axis=1)
     return swing_foot_velocity(robot, q, dq)[None] + of_turning
 
 
 def _on_foot(robot: BipedConstants, angle: Scalar) -> Float[Array, "2 2"]:
     """Heel and toe from the place that is as far below the ankle as the ground is. [2, 2] (m)."""
-    feet, (sine, cosine) = robot.flat_feet, (jnp.sin(angle), jnp.cos(angle))
+    feet, (sine, cosine) = flat_feet_of(robot), (jnp.sin(angle), jnp.cos(angle))
     along = jnp.stack([-feet.heel, feet.toe])
     x = along * cosine + feet.height * sine
     z = along * sine + feet.height * (1.0 - cosine)

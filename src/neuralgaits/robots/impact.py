@@ -25,6 +25,7 @@ from neuralgaits.robots.dynamics import (
     swing_foot_velocity,
 )
 from neuralgaits.robots.linear import solve
+from neuralgaits.robots.robot_file import flat_feet_of
 
 
 class Impact(NamedTuple):
@@ -92,7 +93,7 @@ def _lost_momentum(
     robot: BipedConstants, q: Coordinates, foot: Planar, angle_rate: Scalar
 ) -> Planar:
     """Momentum of a landing foot, and of the robot that turned with it. [2] (kg m/s)."""
-    feet = robot.flat_feet
+    feet = flat_feet_of(robot)
     across = robot.mass * centre_of_mass(robot, q) + feet.mass * feet.com
     return feet.mass * foot + angle_rate * jnp.stack([-across[1], across[0]])
 
@@ -111,7 +112,7 @@ def pressure_moment(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> S
 
     Returns: scalar (N m s).
     """
-    after, feet = impact(robot, q, dq), robot.flat_feet
+    after, feet = impact(robot, q, dq), flat_feet_of(robot)
     foot, turning = swing_foot_velocity(robot, q, dq), foot_angle_rate(robot, dq)
     x, z = feet.com
     own = feet.mass * (x * foot[1] - z * foot[0])

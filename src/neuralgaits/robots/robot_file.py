@@ -3,6 +3,7 @@
 from typing import Protocol, runtime_checkable
 
 from neuralgaits._types import Actuated, Scalar
+from neuralgaits.errors import InputError
 from neuralgaits.robots.feet import FlatFeet
 from neuralgaits.robots.layout import MjcfLayout
 
@@ -65,3 +66,10 @@ class RobotFile(Protocol):
     def joint_upper(self) -> Actuated:
         """Upper ends of their ranges [rad]. [m]."""
         ...
+
+
+def flat_feet_of(robot: RobotFile) -> FlatFeet:
+    """Return a robot's flat feet. Raises: InputError on point feet."""
+    if robot.feet is None:
+        raise InputError(f"expected a robot with flat feet, found point feet at {robot.name}")
+    return robot.feet

@@ -16,6 +16,7 @@ from neuralgaits.hzd.tube import fit_tube
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.records.trained import TrainingSummary, Violations, measured_hashes
 from neuralgaits.records.training_config import GaitOrigin, TrainingConfig
+from neuralgaits.robots.robot_source import planar_biped
 from neuralgaits.runs import RunFolder, finish
 from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS
 from neuralgaits.workflows.train import violations
@@ -44,7 +45,7 @@ def given_run(
 
     Raises: InputError if no orbit attracts, ConvergenceError if an optimisation led to such a gait.
     """
-    robot = zd.robot
+    robot = planar_biped(zd.robot)
     walk = _attracting_orbit(zd, origin)
     spec = specs.load(specs.GIVEN, robot, degree=gait.degree)
     trained = Gait(zd.policy, fit_tube(zd, spec, walk))

@@ -21,12 +21,12 @@ from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.policies.commanded_gait import AnyGait
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import Counterexample
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.parameters import model_of
 
 CLAIMED = 0.4
@@ -54,7 +54,7 @@ BOUND_SEPARATELY = {
 
 def trace_certificate(
     spec: GaitSpec,
-    robot: PlanarBiped,
+    robot: SteppingRobot,
     gait: AnyGait,
     sets: LevelSets,
     residuals: Residuals = NO_RESIDUALS,

@@ -36,7 +36,7 @@ from neuralgaits.gait.policies.step_policy import TabulatedStep
 from neuralgaits.gait.policy import NetworkPolicy
 from neuralgaits.gait.posture import Posture, frame_of, walking_posture
 from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.gait.stepping_robot import SteppingRobot
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -145,7 +145,7 @@ class CommandedPolicy(NetworkPolicy):
         return scaled(self.commands, self.curves, command)
 
     def guard(
-        self, robot: "PlanarBiped", command: Float[Array, " p"], *, bounded: bool = False
+        self, robot: SteppingRobot, command: Float[Array, " p"], *, bounded: bool = False
     ) -> Guard:
         """Return the end of a step at this command, the swing foot on its foothold.
 
@@ -168,7 +168,7 @@ class CommandedPolicy(NetworkPolicy):
 
     def at(
         self,
-        robot: "PlanarBiped",
+        robot: SteppingRobot,
         pair: Pair,
         reset_residual: ResetCorrection = None,
         *,
@@ -210,7 +210,7 @@ class CommandedPolicy(NetworkPolicy):
         return 2 + 4 * len(self.lower) + len(self.network.biases[0])
 
     def parameters_of_step(
-        self, robot: "PlanarBiped", pair: Pair, reset_residual: ResetCorrection = None
+        self, robot: SteppingRobot, pair: Pair, reset_residual: ResetCorrection = None
     ) -> Float[Array, " s"]:
         """Compute the `StepPolicy.step_parameters` of the exact policy of a step, see `at`."""
         return self.at(robot, pair, reset_residual, exact=True).step_parameters
@@ -259,7 +259,7 @@ class CommandedPolicy(NetworkPolicy):
 
 @eqx.filter_jit
 def _start_guard(
-    robot: "PlanarBiped", z1: Float[Array, "1"], posture: Posture, commands: Commands
+    robot: SteppingRobot, z1: Float[Array, "1"], posture: Posture, commands: Commands
 ) -> Actuated:
     """Return outputs of the nominal posture with the swing foot on the middle foothold. [m]."""
     middle = jnp.array([command.middle for command in commands])
@@ -283,12 +283,12 @@ def _foothold(commands: Commands, command: Float[Array, " p"]) -> Foothold:
 
 
 def _ground(
-    robot: "PlanarBiped", commands: Commands, pair: Pair, before: Guard, after: Guard
+    robot: SteppingRobot, commands: Commands, pair: Pair, before: Guard, after: Guard
 ) -> Ground | None:
     """Return the line from the old foothold to the next one; None where all is level."""
     if not {"step_height", "slope"} & {c.name for c in commands}:
         return None
-    old, new = (swing_foot(robot, with_hip_at(robot, g.z1, g.outputs)) for g in (before, after))
+    old, new = (robot.swing_foot(with_hip_at(robot, g.z1, g.outputs)) for g in (before, after))
     rise = (old[1] + new[1]) / (old[0] + new[0])
     slopes = [_value(commands, command, "slope") for command in pair]
     flat = jnp.zeros_like(rise)

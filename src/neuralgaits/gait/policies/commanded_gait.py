@@ -7,8 +7,8 @@ from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.network import movable
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.tubes import CommandedTube
-from neuralgaits.robots import PlanarBiped
 
 
 class CommandedGait(eqx.Module):
@@ -24,7 +24,7 @@ class CommandedGait(eqx.Module):
 
     def at(
         self,
-        robot: PlanarBiped,
+        robot: SteppingRobot,
         v: CommandPoint,
         reset_residual: ResetCorrection = None,
         *,
@@ -42,7 +42,7 @@ class CommandedGait(eqx.Module):
 
     def of_pair(
         self,
-        robot: PlanarBiped,
+        robot: SteppingRobot,
         pair: Pair,
         reset_residual: ResetCorrection = None,
         *,
@@ -56,7 +56,7 @@ class CommandedGait(eqx.Module):
         return Gait(policy, tube, then)
 
     def match_impact(
-        self, robot: PlanarBiped, reset_residual: ResetCorrection = None
+        self, robot: SteppingRobot, reset_residual: ResetCorrection = None
     ) -> "CommandedGait":
         """The family itself: each of its gaits is matched when it is asked for."""
         del robot, reset_residual

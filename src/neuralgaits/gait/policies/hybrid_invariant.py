@@ -36,6 +36,7 @@ from neuralgaits.gait.policies.step_ends import (
 from neuralgaits.gait.policies.step_policy import StepPolicy
 from neuralgaits.gait.posture import Posture, frame_of, walking_posture
 from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.gait.stepping_robot import SteppingRobot
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -158,7 +159,7 @@ class HybridInvariantPolicy(StepPolicy):
         return self if self.then is None else self.then
 
     def match_impact(
-        self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
+        self, robot: SteppingRobot, reset_residual: ResetCorrection = None
     ) -> "HybridInvariantPolicy":
         """Recompute start of the step and cubic from the robot's impact at the guard."""
         outputs = inside(self.guard_outputs, self.lower, self.upper)
@@ -202,5 +203,5 @@ class HybridInvariantPolicy(StepPolicy):
 
 
 @eqx.filter_jit
-def _match(policy: HybridInvariantPolicy, robot: "PlanarBiped") -> HybridInvariantPolicy:
+def _match(policy: HybridInvariantPolicy, robot: SteppingRobot) -> HybridInvariantPolicy:
     return policy.match_impact(robot)

@@ -6,7 +6,7 @@ Grizzle and Koditschek (2003).
 """
 
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -15,11 +15,9 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
 from neuralgaits.gait.posture import hip_indices
 from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
-from neuralgaits.robots.dynamics import angular_momentum, hip_position, swing_foot
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import Impact, PlanarBiped
+from neuralgaits.robots.impact import Impact
 
 # How far inside the output bounds the end points are kept, as a share of the bounds' width:
 # on the bound the logit is infinite and a warm start would turn to NaN.
@@ -29,7 +27,7 @@ END_POINT_MARGIN = 1e-3
 FOOT_NEWTON_STEPS = 6
 
 
-def with_hip_at(robot: "PlanarBiped", z1: Scalar | float, actuated: Actuated) -> Coordinates:
+def with_hip_at(robot: SteppingRobot, z1: Scalar | float, actuated: Actuated) -> Coordinates:
     """Coordinates with hip position z1 and these actuated joints, or rates alike. [n] (rad)."""
     return ZeroCoordinates(robot).lift(jnp.reshape(z1, 1), actuated)
 
@@ -70,7 +68,7 @@ class Foothold(NamedTuple):
 
 
 def on_foothold(
-    robot: "PlanarBiped",
+    robot: SteppingRobot,
     z_guard: Scalar,
     outputs: Actuated,
     foothold: Foothold,
@@ -79,7 +77,7 @@ def on_foothold(
     """Move the swing hip until the swing foot is on its foothold, and the knee for the length.
 
     Args:
-        robot: the biped.
+        robot: the robot.
         z_guard: z1 there (m).
         outputs: near them, [m] (rad).
         foothold: place where the foot has to be.
@@ -90,7 +88,7 @@ def on_foothold(
     directions = np.eye(robot.n - 1, dtype=outputs.dtype)[free_joints]
 
     def miss(shift: Float[Array, " k"]) -> Float[Array, " k"]:
-        along, up = swing_foot(robot, with_hip_at(robot, z_guard, outputs + shift @ directions))
+        along, up = robot.swing_foot(with_hip_at(robot, z_guard, outputs + shift @ directions))
         high = up - (foothold.height + foothold.rise * along)
         return high[None] if foothold.length is None else jnp.stack([high, along - foothold.length])
 
@@ -107,7 +105,7 @@ def on_foothold(
     return outputs + shift @ directions
 
 
-def level_at(robot: "PlanarBiped", guard: Guard) -> Guard:
+def level_at(robot: SteppingRobot, guard: Guard) -> Guard:
     """Return the guard with a flat swing foot level and not turning; itself on point feet.
 
     The swing ankle is the last joint, and moves nothing but the foot.
@@ -124,7 +122,7 @@ def level_at(robot: "PlanarBiped", guard: Guard) -> Guard:
 
 
 def on_foothold_exactly(
-    robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated, foothold: Foothold
+    robot: SteppingRobot, z_guard: Scalar, outputs: Actuated, foothold: Foothold
 ) -> Actuated:
     """`on_foothold` in closed form, from outputs with the foot some centimetres off.
 
@@ -134,7 +132,7 @@ def on_foothold_exactly(
     of a length, that obeys a sin s + b (1 - cos s) + miss = 0, quadratic in tan(s / 2).
     """
     q = with_hip_at(robot, z_guard, outputs)
-    hip, foot = hip_position(robot, q), swing_foot(robot, q)
+    hip, foot = robot.hip_position(q), robot.swing_foot(q)
     leg = foot - hip
     joints = np.eye(robot.n - 1, dtype=outputs.dtype)[[hip_indices(robot)[-1], robot.n - 2]]
     if foothold.length is None:
@@ -184,14 +182,14 @@ def _twice_arctan(x: Scalar) -> Scalar:
     return 8.0 * x * (1.0 - square * series)
 
 
-def start_after(robot: "PlanarBiped", guard: Guard, reset_residual: ResetCorrection) -> Start:
+def start_after(robot: SteppingRobot, guard: Guard, reset_residual: ResetCorrection) -> Start:
     """Return the start of the step that follows a guard, by the real impact, legs relabelled."""
     q = with_hip_at(robot, guard.z1, guard.outputs)
     dq = with_hip_at(robot, jnp.ones_like(q[0]), guard.slopes)
     after = _after_impact(robot, q, dq, reset_residual)
-    speed = robot.hip_gradient @ after.dq
-    ratio = angular_momentum(robot, after.q, after.dq) / angular_momentum(robot, q, dq)
-    return Start(robot.hip_gradient @ after.q, after.q[1:], after.dq[1:] / speed, ratio)
+    speed = robot.position_rows[0] @ after.dq
+    ratio = robot.momentum(after.q, after.dq)[0] / robot.momentum(q, dq)[0]
+    return Start(robot.position_rows[0] @ after.q, after.q[1:], after.dq[1:] / speed, ratio)
 
 
 def logit_ends(start: Start, guard: Guard, lower: Actuated, upper: Actuated) -> Float[Array, "4 m"]:
@@ -227,12 +225,12 @@ def _solved(columns: list[Float[Array, " k"]], right: Float[Array, " k"]) -> Flo
 
 
 def _after_impact(
-    robot: "PlanarBiped", q: Coordinates, dq: Coordinates, reset_residual: ResetCorrection
-) -> "Impact":
+    robot: SteppingRobot, q: Coordinates, dq: Coordinates, reset_residual: ResetCorrection
+) -> Impact:
     after = robot.impact(q, dq)
     if reset_residual is None:
         return after
     # The rates are those of dz1 = 1 m/s: any z2 gives the same ratios.
     correction = reset_residual(reset_residual.centre)
-    z2 = angular_momentum(robot, q, dq)
+    z2 = robot.momentum(q, dq)[0]
     return after._replace(dq=rates_after(robot, after.q, after.dq, correction, z2))

@@ -15,7 +15,7 @@ from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.errors import InputError
 from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.robots.mjcf.parameters import RobotFamily
+from neuralgaits.robots.mjcf.parameters import Robot, RobotFamily
 
 
 class LeanSeries(NamedTuple):
@@ -31,11 +31,11 @@ class LeanSeries(NamedTuple):
     """Im b [kg m]."""
 
 
-def leaning_robot(robot: PlanarBiped, lean: Scalar | float | None) -> PlanarBiped:
+def leaning_robot(robot: Robot, lean: Scalar | float | None) -> Robot:
     """Return the robot with its torso's centre of mass moved across the torso.
 
     Args:
-        robot: robot of a file, whose torso has the masses of the file.
+        robot: planar biped of a file, whose torso has the masses of the file.
         lean: how far ahead of the file's the centre of mass is when the torso is upright (m);
             None for the robot as it is.
 
@@ -43,7 +43,7 @@ def leaning_robot(robot: PlanarBiped, lean: Scalar | float | None) -> PlanarBipe
     """
     if lean is None:
         return robot
-    if robot.torso is None:
+    if not isinstance(robot, PlanarBiped) or robot.torso is None:
         raise InputError(f"expected a robot with a torso to lean, found {robot.name}")
     dtype = jnp.result_type(robot.mass)
     lean = jnp.asarray(lean, dtype)

@@ -8,7 +8,7 @@ member of it can be traced: masses are then inputs of a Program.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -16,11 +16,13 @@ import numpy as np
 
 from neuralgaits._names import why_no_name
 from neuralgaits._types import Array, Float
+from neuralgaits.errors import InputError
 from neuralgaits.robots import derive
 from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.mjcf.loader import links_from_text, robot_from_text
 from neuralgaits.robots.mjcf.with_errors import LinkErrors, text_with_errors
 from neuralgaits.robots.parameter_box import GROUND, UNITS, Box, checked_box
+from neuralgaits.robots.robot_file import RobotFile
 
 
 class ParameterAxis(NamedTuple):
@@ -207,24 +209,32 @@ class RobotFamily(eqx.Module):
 
 Model = PlanarBiped | RobotFamily
 """A robot, or those of a box around it."""
+Robot = TypeVar("Robot", bound=RobotFile)
+"""A robot of whatever kind: what is made of it is of the same kind."""
 
 
-def model_of(robot: PlanarBiped, axes: tuple[ParameterAxis, ...]) -> Model:
+def model_of(robot: Robot, axes: tuple[ParameterAxis, ...]) -> Robot | RobotFamily:
     """Return the family that has these parameters; the robot itself without any.
 
     The lean is added to the one that a gait is told, so it makes no family of its own: see
     `gait.believed_robot`.
+
+    Raises: InputError for parameters of a robot that is no planar biped.
     """
-    kinds = kinds_of(robot, tuple(axis.name for axis in axes)) if axes else ()
+    if not axes:
+        return robot
+    if not isinstance(robot, PlanarBiped):
+        raise InputError(f"expected a planar biped for a box of robots, found {robot.name}")
+    kinds = kinds_of(robot, tuple(axis.name for axis in axes))
     return RobotFamily.of(robot, kinds) if kinds and kinds != ("lean",) else robot
 
 
-def nominal_robot(model: Model) -> PlanarBiped:
+def nominal_robot(model: Robot | RobotFamily) -> Robot | PlanarBiped:
     """The robot of the file, which is all that a policy knows."""
     return model.nominal if isinstance(model, RobotFamily) else model
 
 
-def robot_at(model: Model, p: Float[Array, " k"]) -> PlanarBiped:
+def robot_at(model: Robot | RobotFamily, p: Float[Array, " k"]) -> Robot | PlanarBiped:
     """The robot with these errors. [0] for a model that is one robot."""
     return model.at(p) if isinstance(model, RobotFamily) else model
 

@@ -12,7 +12,6 @@ from neuralgaits.certificate.levels.walking_set import membership as walking_set
 from neuralgaits.certificate.premises import above
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.zero_coordinates import position_of
-from neuralgaits.robots.dynamics import swing_foot
 
 ENDS = (*walking_set.ENDS, "foot")
 """Names of the margins of a step's ends: those of the tube, and of the foot above the ground."""
@@ -41,7 +40,7 @@ def full_order_membership(
     tightened, sigma, unit = _barriers(constants)
     h = model.barriers(z)
     # The tube's ends and z2 > 0; the foot is on or above the ground: p_z(q) >= 0.
-    foot = swing_foot(model.robot, q)[1] / gait.stride
+    foot = model.robot.swing_foot(q)[1] / gait.stride
     # sqrt(V) <= R(phase), and h_i - t_i >= sigma_i V.
     walls = [jnp.reshape(1.0 - v / (bound * bound), 1), (h - tightened - sigma * v) / unit]
     return {

@@ -19,8 +19,8 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point
 from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.zero_coordinates import momentum_of, position_of
-from neuralgaits.robots import PlanarBiped
 
 Vector = Float[Array, " _"]
 """A vector of any length."""
@@ -73,7 +73,7 @@ BANDWIDTH = 30.0
 """Double pole of the outputs [rad/s]: that of `control.fblin`."""
 
 
-def size_of(robot: PlanarBiped) -> int:
+def size_of(robot: SteppingRobot) -> int:
     """Return the number of elements of eta and of xi: two for each actuated joint."""
     return 2 * (robot.n - 1)
 
@@ -88,7 +88,7 @@ class FullOrderModel:
         weights: weights of the norm.
     """
 
-    robot: PlanarBiped
+    robot: SteppingRobot
     gait: Gait
     spec: GaitSpec
     bandwidth: float | Scalar = BANDWIDTH

@@ -1,0 +1,93 @@
+"""Gaits and conditions read nothing of a robot but what `SteppingRobot` has."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.barriers import specs
+from neuralgaits.certificate.traced import after_impact, trace_spec
+from neuralgaits.errors import InputError
+from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.gait.stepping_robot import SteppingRobot
+from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.robots.mjcf.leaning import leaning_robot
+from neuralgaits.robots.mjcf.parameters import ParameterAxis, model_of
+
+ASKED = {name for kind in SteppingRobot.__mro__ for name in vars(kind) if not name.startswith("_")}
+
+
+class OtherRobot:
+    """A robot of another class, with the members of the protocol alone."""
+
+    def __init__(self, biped: PlanarBiped):
+        self._biped = biped
+
+    def __getattr__(self, name: str):
+        if name not in ASKED:
+            raise AttributeError(f"a SteppingRobot has no {name}")
+        return getattr(self._biped, name)
+
+
+@pytest.fixture(params=["amber3m", "amber3m-feet", "rabbit"])
+def robots(request):
+    biped = load_robot(request.param)
+    return biped, OtherRobot(biped)
+
+
+def gait_of(biped):
+    spec = specs.load("walking", biped)
+    return spec, spec.new_gait(jax.random.key(0), "posture", None)
+
+
+def test_the_protocol_leaves_the_formulas_of_a_biped_out(robots):
+    biped, other = robots
+    assert isinstance(biped, SteppingRobot)
+    assert isinstance(other, SteppingRobot)
+    for name in ("coupling", "mass_moment", "hip", "hip_gradient", "inertia"):
+        assert hasattr(biped, name)
+        with pytest.raises(AttributeError):
+            getattr(other, name)
+
+
+def test_conditions_of_another_robot_are_the_same_program(robots):
+    biped, other = robots
+    spec, gait = gait_of(biped)
+    assert trace_spec(spec, other, gait).hash == trace_spec(spec, biped, gait).hash
+    assert after_impact(other, gait) == after_impact(biped, gait)
+
+
+def test_a_policy_is_matched_to_the_impact_of_another_robot(robots):
+    biped, other = robots
+    _, gait = gait_of(biped)
+    bent = gait.policy.guard_outputs + 0.01
+    policy = gait.policy.__class__(**{**vars(gait.policy), "guard_outputs": bent})
+    own, matched = policy.match_impact(biped), policy.match_impact(other)
+    assert not np.array_equal(matched.start_outputs, gait.policy.start_outputs)
+    np.testing.assert_array_equal(matched.cubic, own.cubic)
+    np.testing.assert_array_equal(matched.momentum_ratio, own.momentum_ratio)
+
+
+def test_zero_dynamics_and_full_states_of_another_robot(robots):
+    biped, other = robots
+    _, gait = gait_of(biped)
+    z = gait.z(jnp.array([0.4, 0.5]))
+    ours, theirs = (ZeroDynamics(robot, gait.policy) for robot in (biped, other))
+    for name in ("zdot", "guard", "reset", "phi_inv"):
+        np.testing.assert_array_equal(getattr(theirs, name)(z), getattr(ours, name)(z))
+    eta = 0.01 * jnp.ones(2 * (biped.n - 1))
+    there, here = (FullPoint(robot, gait.policy, z, eta, 30.0) for robot in (other, biped))
+    for name in ("torque", "force", "eta_after"):
+        np.testing.assert_array_equal(getattr(there, name), getattr(here, name))
+
+
+def test_only_a_planar_biped_leans_or_has_a_box_around_it(robots):
+    _, other = robots
+    with pytest.raises(InputError, match="to lean"):
+        leaning_robot(other, 0.01)
+    with pytest.raises(InputError, match="planar biped for a box"):
+        model_of(other, (ParameterAxis("mass[0]", 0.01),))
+    assert model_of(other, ()) is other
+    with pytest.raises(InputError, match="expected a PlanarBiped"):
+        specs.load("walking", other)
