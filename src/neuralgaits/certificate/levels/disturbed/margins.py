@@ -62,10 +62,12 @@ def margins(
         margins["disturbed/kick-contact"] = kicked["disturbed/contact"]
         margins |= _kicks(errors, guard, parts["kick"])
     if disturbed.measured:
-        *moves, beyond = parts["state_moves"]
-        wider = (bound + beyond) * unit
-        lists = parts["state_axes"], jnp.stack(moves), parts["state_slopes"]
-        margins |= state_margins(model, u, wider, *lists)
+        moves, beyond = parts["state_moves"][:3], parts["state_moves"][3]
+        # Over the tube, this goes over one that is longer and wider by the movements.
+        wider = u + moves[:2] * (2.0 * u - 1.0)
+        out = (its.bound(wider[0]) + beyond) * unit
+        lists = parts["state_axes"], moves, parts["state_slopes"]
+        margins |= state_margins(model, wider, out, *lists)
     centre = model.point(u, jnp.zeros_like(xi))
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)

@@ -46,11 +46,14 @@ def state_margins(
         raise ValueError(f"{len(axes)} axes of a state of {2 * model.robot.n} numbers")
 
     def errors(e: Vector) -> Float[Array, "m two_n"]:
-        return weighted_error_slopes(model, point, e) * axes
+        return weighted_error_slopes(model, point, e) * axes[None, :]
 
     first, growth = errors(none), jax.jacfwd(errors)(none)
     moved = state_movements(model, point)
-    sizes = [*jnp.sum((moved.chart * axes) ** 2, axis=1), jnp.sum((moved.xi * axes) ** 2)]
+    sizes = [
+        *jnp.sum((moved.chart * axes[None, :]) ** 2, axis=1),
+        jnp.sum((moved.xi * axes[None, :]) ** 2),
+    ]
     # Frobenius norms as squares, which are smooth: premises of docs/level5_sensing.md.
     return {
         "disturbed/state-moves": moves * moves - jnp.stack(sizes),

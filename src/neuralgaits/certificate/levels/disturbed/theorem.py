@@ -6,7 +6,6 @@ torques are affine in e. While torques are held, the outputs' jerk decides how e
 in e, too. The argument is in docs/level5_proof.md. Needs no JAX.
 """
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -158,16 +157,10 @@ def series(disturbed: DisturbedConstants) -> dict[str, tuple[float, ...]]:
 
 
 def wider_tube(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[Corner, Corner]:
-    """Return the corners of the tube of states between true and measured ones, rounded outwards.
-
-    Those of the tube if torques are of the true state.
-    """
+    """Return the corners of the tube that measured states are in, but for rounding."""
     first, last = full.ends
-    if not disturbed.measured:
-        return (first, 0.0), (last, 1.0)
-    phase, level = disturbed.state_moves[:2]
-    low = math.nextafter(first - phase, -math.inf), math.nextafter(-level, -math.inf)
-    return low, (math.nextafter(last + phase, math.inf), math.nextafter(1.0 + level, math.inf))
+    phase, level, _ = disturbed.state_moves or (0.0, 0.0, 0.0)
+    return (first - phase, -level), (last + phase, 1.0 + level)
 
 
 def premises(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Premise]:
@@ -198,11 +191,10 @@ def premises(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Pr
             Premise("disturbed/kick-contact", (first, 0.0), (disturbed.kick_end, 1.0)),
         ]
     if disturbed.measured:
-        wider = wider_tube(full, disturbed)
         required += [
-            Premise("disturbed/state-moves", *wider),
-            Premise("disturbed/state-error", *wider, sign="not negative"),
-            Premise("disturbed/state-growth", *wider, sign="not negative"),
+            Premise("disturbed/state-moves", *tube),
+            Premise("disturbed/state-error", *tube, sign="not negative"),
+            Premise("disturbed/state-growth", *tube, sign="not negative"),
         ]
     return required
 
