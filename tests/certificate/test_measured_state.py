@@ -3,6 +3,7 @@
 import math
 import shutil
 from dataclasses import replace
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -119,7 +120,7 @@ def _measured(**changes):
         "state_radius": radius * 1.001,
         "state_slopes": (0.9, 1e-3),
     }
-    numbers = {"hold": 1e-3, "error": 0.902} | own | changes
+    numbers: dict[str, Any] = {"hold": 1e-3, "error": 0.902, **own, **changes}
     return full, DisturbedConstants(
         (1.0, 0.0), (1.0, 0.0), jerk=1.0, growth_slope=1.0, jerk_push=1.0, barriers=(), **numbers
     )
