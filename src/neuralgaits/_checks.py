@@ -147,6 +147,15 @@ def check_error(error: float) -> None:
         )
 
 
+def check_state_error(error: tuple[float, float]) -> None:
+    """Check errors of measured angles and rates (rad, rad/s). Raises: InputError if impossible."""
+    if not all(0.0 < part < math.inf for part in error):
+        raise InputError(
+            "expected errors of angles and rates of more than 0 rad and 0 rad/s, found "
+            f"{error[0]:g} rad, {error[1]:g} rad/s: write --state-error 0.005mrad,0.25mrad/s"
+        )
+
+
 def check_budget(budget: float | None) -> None:
     """Check a time budget; None leaves it open. Raises: InputError unless it is more than 0 s."""
     if budget is not None and not 0.0 < budget < math.inf:

@@ -104,6 +104,43 @@ def test_a_claim_of_more_than_was_proved_is_not_believed(proofcheck, file, tmp_p
 
 
 @pytest.fixture(scope="module")
+def measured_file(trained, made_once):
+    """Of the default gait, proved under torques of a measured state."""
+
+    def make(run):
+        shutil.copytree(trained.path, run)
+        done = certify(run, level=5, bandwidth=50.0, state_error=(5e-6, 2.5e-4))
+        assert done.verdict == "proved", done.conclusions[-1].reason
+
+    return made_once("certified-measured", make) / PROOF
+
+
+def test_of_a_measured_state_all_but_its_effect_is_derived(proofcheck, measured_file):
+    answer = proofcheck(measured_file)
+    assert answer.returncode == 3, answer.stdout
+    assert "level 5 proved" not in answer.stdout and "level 4 proved" in answer.stdout
+    last = answer.stdout.strip().splitlines()[-1]
+    assert "it is about a measured state, whose effect is not derived" in last
+    read = proofcheck("--program", measured_file)
+    assert read.returncode == 0 and "level 5 consistent" in read.stdout, read.stdout
+    assert "computed from a measured state" in read.stdout
+
+
+@pytest.mark.parametrize("name", ["state_error", "error", "state_radius"])
+def test_larger_errors_of_a_state_do_not_follow(proofcheck, measured_file, tmp_path, name):
+    """A larger error of the sensors, or less room for it; others are in the Program."""
+    table = json.loads(measured_file.read_text())
+    known, more = _level_5(table), 1.1 if name == "state_error" else 0.9
+    value = known[name]
+    rows = value if isinstance(value, list) else [value]
+    changed = [(more * float.fromhex(x)).hex() for x in rows]
+    known[name] = changed if isinstance(value, list) else changed[0]
+    (tmp_path / "proof.json").write_text(json.dumps(table))
+    answer = proofcheck("--program", tmp_path / "proof.json")
+    assert answer.returncode == 1 and "rejected" in answer.stdout, answer.stdout
+
+
+@pytest.fixture(scope="module")
 def law_file(trained, made_once):
     """Of scheduled PD on a clock that knows no touchdown."""
 

@@ -59,6 +59,7 @@ TOLD: tuple[tuple[str, Any], ...] = (
     ("certify", of.CertifySettings("latest", level=5, bandwidth=50.0, error=0.05)),
     ("certify", of.CertifySettings("latest", disturbance=(0.01, 0.3), parameters={}, resume=True)),
     ("certify", of.CertifySettings("r", disturbance="learned", within={"speed": (0.7, 0.72)})),
+    ("certify", of.CertifySettings("r", level=5, state_error=(5.1e-6, 0.1 / 3.0))),
     ("check-proof", of.CheckProofSettings(Path("a b.json"), run="latest")),
     (
         "check-deploy",
@@ -255,5 +256,13 @@ def test_settings_that_exclude_each_other_are_refused_where_they_are_defined() -
         of.TrainSettings(resume="latest", certify=True, budget=3.0)
     with pytest.raises(InputError, match="level 4 or 5 with a bandwidth, found 3"):
         of.CertifySettings("latest", bandwidth=20.0)
+    with pytest.raises(
+        InputError, match="level 5 of fblin with an error of the state, found level 4"
+    ):
+        of.CertifySettings("latest", level=4, state_error=(1e-6, 1e-4))
+    with pytest.raises(InputError, match="found level 5 of scheduled-pd"):
+        of.CertifySettings("r", level=5, controller="scheduled-pd", state_error=(1e-6, 1e-4))
+    with pytest.raises(InputError, match="errors of angles and rates of more than 0"):
+        of.CertifySettings("r", level=5, state_error=(0.0, 1e-4))
     with pytest.raises(InputError, match="level 2 or more with a disturbance"):
         of.CertifySettings("latest", level=1, disturbance="learned")

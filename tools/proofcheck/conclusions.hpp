@@ -330,6 +330,7 @@ class Conclusions {
       if (d.hold != 0.0) fall_in_holds(f, d);
     }
     if (d.hold != 0.0) held(f, d, gamma);
+    if (d.measured()) of_measured_states(f, d);
     if (d.free_clock()) {
       const I while_held = I(0.5) * gamma * I(d.hold) * kicked(f, d, gamma);
       most = I(larger(most.high(), while_held.high()));
@@ -379,7 +380,9 @@ class Conclusions {
     words.push_back("all along, " + names + " are not negative on the robot itself, the contact force and "
             "every impulse stay in the friction cone, and the torques that are applied stay within "
             "the robot's limits: none saturates");
-    words.push_back("which e a wrong model or a measurement makes is not part of this theorem");
+    if (d.measured()) words.push_back(words_of_measured_states(d, size));
+    words.push_back(string("which e a wrong model") + (d.measured() ? "" : " or a measurement") +
+                    " makes is not part of this theorem");
     return words;
   }
 
@@ -432,6 +435,45 @@ class Conclusions {
       need("error + mean growth in a hold < push", rest_of(d) + error + mean * most,
            I(d.push[0]) + I(d.push[1]) * bound);
     }
+  }
+
+  // Torques of a measured state: docs/level5_sensing.md.
+  void of_measured_states(const FullOrder& f, const Disturbed& d) const {
+    positive("disturbed/state-moves", f.tube());
+    not_negative("disturbed/state-error", f.tube());
+    not_negative("disturbed/state-growth", f.tube());
+    const size_t angles = d.state_axes.size() / 2;
+    if (d.scheduled() || f.weights.empty() ||
+        f.weights.size() != angles * (angles - 1) / 2 || d.state_axes.size() % 2 != 0)
+      throw DoesNotFollow{"a measured state has no axis for each angle and rate"};
+    I share(0.0);
+    for (size_t i = 0; i < d.state_axes.size(); ++i) {
+      const double error = d.state_error[i / angles], axis = d.state_axes[i];
+      if (!(error > 0.0 && axis > 0.0))
+        throw DoesNotFollow{"errors of a measured state that are not positive"};
+      share = share + square(I(error) / I(axis));
+    }
+    for (const double moved : d.state_moves)
+      if (!(moved > 0.0)) throw DoesNotFollow{"a measured state that moves nothing"};
+    for (const double slope : d.state_slopes)
+      if (!(slope >= 0.0)) throw DoesNotFollow{"slopes in a measured state below zero"};
+    const I steepest = (I(f.radius) - I(f.floor)) * root(I(2.0) * I(f.shrink) / exp(I(1.0)));
+    need("errors of a measured state are in their ellipsoid", share, I(1.0));
+    need("what a measured state moves xi by, beside its bound, < state radius",
+         I(d.state_moves[2]) + steepest * I(d.state_moves[0]), I(d.state_radius));
+    need("|S e| of torques of measured states < error", sensed_error(d), I(d.error));
+    need("torques of measured states are held: 0 < hold", I(0.0), I(d.hold));
+  }
+
+  static I sensed_error(const Disturbed& d) {
+    return I(d.state_slopes[0]) * exp(I(d.state_slopes[1]));
+  }
+
+  static string words_of_measured_states(const Disturbed& d, const string& size) {
+    return "torques of exact linearisation that are computed from a measured state, with each joint "
+           "angle and the pitch off by at most " + brief(d.state_error[0]) + " rad and each of their "
+           "rates by at most " + brief(d.state_error[1]) + " rad/s, have " + size + " <= " +
+           at_most(sensed_error(d).high()) + " rad/s^2 when they are set; which foot stands is known";
   }
 
   // Torques held through an impact, until the next tick: docs/level5_clock.md, inequality 4. Returns a

@@ -347,7 +347,8 @@ Disturbed disturbed_of(const Json& table) {
   vector<string> fields = {"push",         "peak",      "hold",    "error", "jerk",
                            "growth_slope", "jerk_push", "barriers"};
   for (const char* name : {"kick", "kick_slope", "kick_push", "kick_peak", "kick_end",
-                           "torque_gains", "inertia_gains", "decay", "rest"})
+                           "torque_gains", "inertia_gains", "decay", "rest", "state_error",
+                           "state_axes", "state_moves", "state_radius", "state_slopes"})
     if (table.find(name)) fields.push_back(name);
   only(table, what, fields);
   const auto number = [&what](const Json& from, const char* name) {
@@ -374,6 +375,19 @@ Disturbed disturbed_of(const Json& table) {
   if (table.find("kick_push")) d.kick_push = number(table, "kick_push");
   if (table.find("kick_peak")) d.kick_peak = number(table, "kick_peak");
   if (table.find("kick_end")) d.kick_end = number(table, "kick_end");
+  const auto list = [&table](const char* name) {
+    const Json* found = table.find(name);
+    return found ? series_of(*found, name) : vector<double>();
+  };
+  d.state_error = list("state_error");
+  d.state_axes = list("state_axes");
+  d.state_moves = list("state_moves");
+  d.state_slopes = list("state_slopes");
+  if (table.find("state_radius")) d.state_radius = number(table, "state_radius");
+  const size_t of_state = d.state_axes.empty() ? 0 : 1;
+  if (d.state_error.size() != 2 * of_state || d.state_moves.size() != 3 * of_state ||
+      d.state_slopes.size() != 2 * of_state)
+    refuse("errors of a measured state without two bounds, three moves, two slopes");
   limit(list_of(*table.find("barriers"), "barriers").size(), kMostNames, "barriers");
   for (const Json& row : table.find("barriers")->items) {
     only(row, "a barrier", {"name", "alpha", "weight", "lost"});
@@ -468,6 +482,12 @@ std::map<string, vector<double>> lists_of(const Theorems& theorems) {
       lists["disturbed.inertia_gains"] = d->inertia_gains;
     }
     if (d->free_clock()) lists["disturbed.kick"] = {d->kick, d->kick_slope, d->kick_push, d->kick_peak};
+    if (d->measured()) {
+      lists["disturbed.state_axes"] = d->state_axes;
+      lists["disturbed.state_moves"] = d->state_moves;
+      lists["disturbed.state_moves"].push_back(d->state_radius);
+      lists["disturbed.state_slopes"] = d->state_slopes;
+    }
     vector<double>& rows = lists["disturbed.barriers"];
     for (const DisturbedBarrier& b : d->barriers)
       rows.insert(rows.end(), {b.alpha, b.weight, b.lost});
@@ -549,6 +569,8 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
       output = barrier_output(name.substr(0, space), name.substr(space + 1), *theorems.full);
     } else if (pushed && disturbed_outputs().count(name)) {
       output = output_of_disturbed(name, disturbed_outputs().at(name));
+    } else if (pushed && name.rfind("disturbed/state-", 0) == 0 && theorems.disturbed->measured()) {
+      output = output_of_measured_state();
     } else if (pushed && name.rfind("disturbed/decrease ", 0) == 0) {
       // Barriers of level 5 are those of level 4, in their order.
       const auto number = theorems.full->numbers.find(name.substr(space + 1));

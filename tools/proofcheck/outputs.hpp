@@ -97,6 +97,16 @@ Output output_of_disturbed(const string& name, const Meaning& meaning) {
   });
 }
 
+// Premises about a measured state, which are not derived.
+Output output_of_measured_state() {
+  static const Meaning meaning = {"its bound^2 - the square of what a measured state changes", ""};
+  Output output = output_of_full_state(meaning, [](const Theorems&, FullState&) -> vector<Formula> {
+    throw Unknown{"the effect of a measured state"};
+  });
+  output.unknown = "it is about a measured state, whose effect is not derived";
+  return output;
+}
+
 // disturbed/decrease BARRIER, the barrier of that number.
 Output output_of_decrease(size_t number) {
   static const Meaning meaning = {"dh/dt + alpha h - weight |slope of dh/dt in xi|^2 - lost", "/s"};

@@ -132,6 +132,10 @@ struct Disturbed {
   // Of scheduled PD; all empty or 0 under exact linearisation.
   vector<double> torque_gains, inertia_gains;
   double decay = 0.0, rest = 0.0;
+  // Of a measured state; all empty or 0 for the true one.
+  vector<double> state_error, state_axes, state_moves, state_slopes;
+  double state_radius = 0.0;
+  bool measured() const { return !state_error.empty(); }
   bool scheduled() const { return !torque_gains.empty(); }
   bool free_clock() const { return kick_end != 0.0; }
   bool claimed = false;

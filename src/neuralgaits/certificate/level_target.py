@@ -36,12 +36,15 @@ class ControlAssumption:
         free_clock: whether ticks of level 5 may miss touchdowns.
         scheduled: whether level 5 is about scheduled PD, and not about exact linearisation.
         error: bound on |S e| of torques when they are set, at level 5 [rad/s^2].
+        state_error: bounds on the error of each angle and of each rate of the state that torques of
+            level 5 are computed from (rad, rad/s); None for the true state.
     """
 
     bandwidth: float | None = None
     free_clock: bool = False
     scheduled: bool = False
     error: float = 0.0
+    state_error: tuple[float, float] | None = None
 
 
 USUAL_CONTROL = ControlAssumption()

@@ -7,7 +7,13 @@ from typing import Annotated, Literal
 
 from tyro.conf import Fixed, Positional
 
-from neuralgaits._checks import check_bandwidth, check_budget, check_disturbance, check_error
+from neuralgaits._checks import (
+    check_bandwidth,
+    check_budget,
+    check_disturbance,
+    check_error,
+    check_state_error,
+)
 from neuralgaits.errors import InputError
 from neuralgaits.records.checked import Arithmetic
 from neuralgaits.records.level_words import (
@@ -39,6 +45,10 @@ _LEVELS = (
 _Box = Annotated[
     Mapping[str, float] | None, option("NAME=SIZE,...|none", forms.box_or_none, forms.box_word)
 ]
+_StateError = Annotated[
+    tuple[float, float] | None,
+    option("ANGLE,RATE", forms.state_error, forms.state_error_word),
+]
 _Ranges = Annotated[
     Mapping[str, Interval] | None, option("NAME=LOW:HIGH,...", forms.ranges, forms.ranges_word)
 ]
@@ -68,8 +78,11 @@ class CertifySettings(Settings):
     """At level 5, when torques are set: at each touchdown and then from tick to tick; or free: by
     a clock that knows of no touchdown."""
     error: Annotated[float, arg(metavar="RAD/S^2")] = 0.0
-    """At level 5, largest error |S e| of a torque when it is set [rad/s^2], as of a measured state
-    or of rounding: the proved time between ticks gets shorter."""
+    """At level 5, largest error |S e| of a torque when it is set [rad/s^2], as of
+    rounding, beside --state-error: the proved time between ticks gets shorter."""
+    state_error: _StateError = None
+    """At level 5 with fblin, errors of each measured angle and of each measured rate, as in
+    0.005mrad,0.25mrad/s; (rad, rad/s) in Python. The error of torques that these make is proved."""
     budget: Seconds = None
     """Stop the search after this time [s]; tracing and compiling before it take some seconds more.
     The result so far is kept."""
@@ -109,6 +122,8 @@ class CertifySettings(Settings):
                 f"expected level {DISTURBED_LEVEL} with an error of torques, found {level}: raise "
                 "--level"
             )
+        if self.state_error is not None:
+            self._check_state_error(self.state_error)
         if self.bandwidth is None:
             return
         check_bandwidth(self.bandwidth)
@@ -116,6 +131,15 @@ class CertifySettings(Settings):
             raise InputError(
                 f"expected level {FULL_ORDER_LEVEL} or 5 with a bandwidth, found {level}: raise "
                 "--level"
+            )
+
+    def _check_state_error(self, error: tuple[float, float]) -> None:
+        check_state_error(error)
+        if self.highest < DISTURBED_LEVEL or self.controller != "fblin":
+            raise InputError(
+                f"expected level {DISTURBED_LEVEL} of fblin with an error of the state, found "
+                f"level {self.highest} of {self.controller}: give --level {DISTURBED_LEVEL}, and "
+                "leave --controller out"
             )
 
     @property

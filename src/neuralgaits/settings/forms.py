@@ -127,6 +127,35 @@ def disturbance(text: str) -> tuple[float, float] | Literal["learned"]:
     return first, second
 
 
+def state_error(text: str) -> tuple[float, float]:
+    """Read errors of angles and of rates, as in `0.005mrad,0.25mrad/s`. Raises: InputError.
+
+    Returns: rad, rad/s.
+    """
+    words = text.split(",")
+    try:
+        angle, rate = (_in_radians(*pair) for pair in zip(words, ("rad", "rad/s"), strict=True))
+    except ValueError:
+        raise InputError(
+            "expected --state-error as an error of angles and one of rates, in rad or mrad and "
+            f"rad/s or mrad/s, found {text!r}: write 0.005mrad,0.25mrad/s"
+        ) from None
+    return angle, rate
+
+
+def state_error_word(error: tuple[float, float]) -> str:
+    """Write errors of angles and rates (rad, rad/s) as `state_error` reads them, exactly."""
+    return "{!r}rad,{!r}rad/s".format(*error)
+
+
+def _in_radians(text: str, unit: str) -> float:
+    """Read a number with a unit or a thousandth of it. Raises: ValueError."""
+    number = text.strip().removesuffix(unit)
+    if number == text.strip():
+        raise ValueError(f"no {unit} behind {text}")
+    return 1e-3 * decimal(number[:-1]) if number.endswith("m") else decimal(number)
+
+
 def gains(text: str) -> tuple[float, float]:
     """Read two gains `KP,KD` (N m/rad, N m s/rad). Raises: InputError."""
     try:

@@ -57,6 +57,7 @@ def certify_alone(trained: Run, settings: CertifySettings) -> CertifyResult:
         settings.clock == "free",
         settings.controller == "scheduled-pd",
         float(settings.error),
+        settings.state_error,
     )
     proof = prove_run(trained, scope, disturbance, control, effort)
     try:

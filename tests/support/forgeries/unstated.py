@@ -14,6 +14,12 @@ FALLS = refused("rejected unreadable")
 HOLDS = {"hold": 1e-3, "error": 0.0, "jerk": 800.0, "growth_slope": 2e5, "jerk_push": 20.0}
 KICKS = {"kick": 30.0, "kick_slope": 9e3, "kick_push": 2.0, "kick_peak": 50.0, "kick_end": 0.01}
 LAW = {"decay": 60.0, "rest": 0.03}
+STATE = {
+    "state_error": [5e-6, 2.5e-4],
+    "state_axes": [1.6e-5] * 5 + [8e-4] * 5,
+    "state_moves": [1e-4, 2e-3, 1e-3],
+    "state_slopes": [0.9, 1e-3],
+}
 
 
 def _disturbed(case: Case, numbers: Mapping[str, float], **lists: list[float]) -> Table:
@@ -49,6 +55,16 @@ def _(case: Case) -> None:
 def _(case: Case) -> None:
     gains = {"torque_gains": [1.0] * 4 * 17 * 9, "inertia_gains": [1.0] * 16 * 11 * 4}
     _disturbed(case, HOLDS | LAW, **gains)
+
+
+@_held("of a measured state, of which no premise is stated")
+def _(case: Case) -> None:
+    _disturbed(case, HOLDS | {"error": 1.0, "state_radius": 2e-3}, **STATE)
+
+
+@_held("of a measured state that moves phase and level alone")
+def _(case: Case) -> None:
+    _disturbed(case, HOLDS | {"error": 1.0}, **STATE | {"state_moves": [1e-4, 2e-3]})
 
 
 @_held("of a law whose coefficients are too few")

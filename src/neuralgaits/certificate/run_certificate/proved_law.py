@@ -14,7 +14,7 @@ import numpy as np
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.certificate.level_target import grid
-from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
+from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants, wider_tube
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.run_certificate.proved_monitor import proved_levels
 from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading
@@ -100,7 +100,7 @@ def _difference(
         return f"its ticks are {period} ms apart, and the proof is about {proved} ms at most"
     if isinstance(law, ScheduledPd) and not _has_gains(law, disturbed):
         return "its gains are not those of the proof file"
-    if not _unchanged(run, controller, full):
+    if not _unchanged(run, controller, full, disturbed):
         return "it bounds z inside the set of the proof, so that its torque is another one there"
     return None
 
@@ -120,12 +120,15 @@ def _has_gains(law: ScheduledPd, disturbed: DisturbedConstants) -> bool:
     return True
 
 
-def _unchanged(run: Run, controller: Controller, full: FullOrderConstants) -> bool:
+def _unchanged(
+    run: Run, controller: Controller, full: FullOrderConstants, disturbed: DisturbedConstants
+) -> bool:
     """Return whether a controller uses z as it is all over the tube of a set, at sampled states."""
     gait, schedule = run.trained, getattr(controller.law, "schedule", None)
     assert isinstance(gait, Gait)
     # States at which a controller's bounds are compared with a set.
-    charts = grid(np.linspace(*full.ends, 33), np.linspace(0.0, 1.0, 5))
+    low, high = wider_tube(full, disturbed)
+    charts = grid(np.linspace(low[0], high[0], 33), np.linspace(low[1], high[1], 5))
 
     @jax.vmap
     def changes(u: jax.Array) -> jax.Array:

@@ -15,6 +15,7 @@ from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     rest,
     sqrt_v_after_kick,
 )
+from neuralgaits.certificate.levels.disturbed.state_inequalities import sensed_error
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants, premises
 from neuralgaits.certificate.levels.full_order.inequalities import mismatch, obstacle, step_factor
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -75,6 +76,8 @@ def constant_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> li
         rows += _hold_rows(full, disturbed)
     if disturbed.free_clock:
         rows += _kick_rows(full, disturbed)
+    if disturbed.measured:
+        rows += _state_rows(disturbed)
     words = "under such e sqrt(V) falls to this between impacts"
     rows.append(TheoremConstant("kept", above(kept), "rad", words, "most"))
     if loop < 1:
@@ -130,6 +133,18 @@ def _kick_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[
             "sqrt(V) until then", "most",
         ),
         TheoremConstant("kick end", disturbed.kick_end, "phase", "phase until then", "most"),
+    ]  # fmt: skip
+
+
+def _state_rows(disturbed: DisturbedConstants) -> list[TheoremConstant]:
+    angle, rate = disturbed.state_error
+    return [
+        TheoremConstant("angle error", angle, "rad", "of each measured angle", "least"),
+        TheoremConstant("rate error", rate, "rad/s", "of each measured rate", "least"),
+        TheoremConstant(
+            "sensed error", above(sensed_error(disturbed)), "rad/s^2",
+            "|S e| of torques of such states when they are set", "most",
+        ),
     ]  # fmt: skip
 
 
@@ -192,10 +207,24 @@ def _words(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[str
             "every trajectory that starts in D at a tick stays in D, meets the ground once and "
             "transversally in each step, and is in D after the impact: it walks for ever"
         )
+    if disturbed.measured:
+        sentences.append(_of_measured_states(disturbed, short))
+    causes = "a wrong model" if disturbed.measured else "a wrong model or a measurement"
     return (
         *sentences,
         "all along, the barrier functions are not negative on the robot itself, the contact force "
         "and every impulse stay in the friction cone, and the torques that are applied stay within "
         "the robot's limits: none saturates",
-        "which e a wrong model or a measurement makes is not part of this theorem",
+        f"which e {causes} makes is not part of this theorem",
+    )
+
+
+def _of_measured_states(disturbed: DisturbedConstants, short: str) -> str:
+    """State which torques of measured states are among those of the theorem."""
+    angle, rate = disturbed.state_error
+    return (
+        "torques of exact linearisation that are computed from a measured state, with each joint "
+        f"angle and the pitch off by at most {angle!r} rad and each of their rates by at most "
+        f"{rate!r} rad/s, have {short} <= {above(sensed_error(disturbed))!r} rad/s^2 when they are "
+        "set; which foot stands is known"
     )

@@ -9,6 +9,10 @@ from flint import arb
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.level_target import grid
+from neuralgaits.certificate.levels.disturbed.find_state import (
+    largest,
+    state_bounds,
+)
 from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.radius_inequalities import face_inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
@@ -49,6 +53,7 @@ def find_disturbed(
     free_clock: bool = False,
     gains: ScheduledGains | None = None,
     error: float = 0.0,
+    state_error: tuple[float, float] | None = None,
 ) -> DisturbedConstants | str:
     """Return the longest hold and the largest push that points allow in the set, or why none.
 
@@ -57,7 +62,10 @@ def find_disturbed(
         full: the set.
         free_clock: whether ticks may miss touchdowns.
         gains: gains of scheduled PD, if that is the law that the functions are of.
-        error: bound on |S e| of torques when they are set [rad/s^2].
+        error: bound on |S e| of torques when they are set, apart from a measured state's
+            [rad/s^2].
+        state_error: bounds on errors of the angles and rates that torques are computed from
+            (rad, rad/s).
     """
     if full.least_radius <= 0.0:
         return (
@@ -65,23 +73,24 @@ def find_disturbed(
             "outputs inside it: no set with a least radius was found for this gait"
         )
     u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
-    sampled = _SampledBounds(evaluators, full, u, free_clock, error)
+    state = state_bounds(evaluators, full, state_error)
+    sampled = _SampledBounds(evaluators, full, u, free_clock, error + state.error)
     if not sampled.gamma > 0.0:
         return "under this law V is not shown to fall"
-    hold = _largest(LONGEST, lambda hold: sampled.stands(hold, sampled.held(hold)))
+    hold = largest(LONGEST, lambda hold: sampled.stands(hold, sampled.held(hold)))
     hold = float(at_least(hold, DIGITS))
-    if free_clock and hold == 0.0:
-        return "what a torque held through an impact adds to outputs does not fit into the set"
+    if hold == 0.0 and (free_clock or state.error):
+        return _no_hold(free_clock, sampled.error)
     held = sampled.held(hold) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
     # Any more that the floor bears; under exact linearisation a hold's mean does not decide it.
     more = 0.0 if sampled.exact and hold > 0.0 else sampled.most(held.push[1]) - held.push[0]
-    extra = _largest(more, lambda extra: sampled.stands(hold, _raised(held, extra)))
+    extra = largest(more, lambda extra: sampled.stands(hold, _raised(held, extra)))
     raised = _raised(held, extra)
     kick = sampled.kicked(hold, raised)
     barriers = sampled.barriers(hold, raised, kick)
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
-    disturbed = replace(sampled.constants(hold, raised), barriers=barriers)
+    disturbed = replace(sampled.constants(hold, raised), barriers=barriers, **state.constants)
     if free_clock:
         assert sampled.kick is not None
         disturbed = replace(
@@ -94,6 +103,13 @@ def find_disturbed(
         disturbed = replace(_with_gains(disturbed, gains), decay=sampled.gamma, rest=sampled.rest)
     broken = [obstacle(step) for step in inequalities(full, disturbed) if not step.holds]
     return "; ".join(broken) if broken else disturbed
+
+
+def _no_hold(free_clock: bool, error: float) -> str:
+    """Explain why torques cannot be held at all in a set."""
+    if free_clock:
+        return "what a torque held through an impact adds to outputs does not fit into the set"
+    return f"torques with |S e| = {error:.4g} rad/s^2 when they are set cannot be held in this set"
 
 
 def _with_gains(disturbed: DisturbedConstants, gains: ScheduledGains) -> DisturbedConstants:
@@ -109,20 +125,6 @@ def _raised(held: Held, extra: float) -> Held:
     """Return the constants with a larger push, and a peak that is not below it."""
     push = held.push[0] + extra
     return Held((push, held.push[1]), (max(push, held.peak[0]), held.peak[1]))
-
-
-def _largest(most: float, stands) -> float:
-    """Return the largest number up to `most` that the test accepts; 0 if it accepts none."""
-    if not most > 0.0:
-        return 0.0
-    if stands(most):
-        return most
-    low, high = 0.0, most
-    halvings = 20  # Halvings of the interval that holds the longest hold or the largest push.
-    for _ in range(halvings):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if stands(middle) else (low, middle)
-    return low
 
 
 def _kick_bounds(evaluators: SampleEvaluators, full: FullOrderConstants) -> tuple[float, ...]:

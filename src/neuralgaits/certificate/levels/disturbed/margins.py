@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.certificate.levels.disturbed.state_margins import state_margins
 from neuralgaits.certificate.levels.disturbed.theorem import (
     BARRIER_CONSTANTS,
     DisturbedConstants,
@@ -49,7 +50,7 @@ def margins(
     parts = {name: jnp.asarray(np.array(values)) for name, values in series(disturbed).items()}
     rows = parts["barriers"].reshape(-1, len(BARRIER_CONSTANTS))
     bound, guard = its.bound(u[0]), its.set["guard_radius"] * xi
-    xi = bound * xi
+    unit, xi = xi, bound * xi
     errors = LawErrors(model, _law(model, disturbed, parts), u)
     margins = _forces(errors, xi, parts["peak"][0] + parts["peak"][1] * bound)
     if disturbed.scheduled:
@@ -60,6 +61,13 @@ def margins(
         kicked = _forces(errors, xi, parts["kick"][3])
         margins["disturbed/kick-contact"] = kicked["disturbed/contact"]
         margins |= _kicks(errors, guard, parts["kick"])
+    if disturbed.measured:
+        moves, beyond = parts["state_moves"][:3], parts["state_moves"][3]
+        # Over the tube, this goes over one that is longer and wider by the movements.
+        wider = u + moves[:2] * (2.0 * u - 1.0)
+        out = (its.bound(wider[0]) + beyond) * unit
+        lists = parts["state_axes"], moves, parts["state_slopes"]
+        margins |= state_margins(model, wider, out, *lists)
     centre = model.point(u, jnp.zeros_like(xi))
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)

@@ -10,6 +10,7 @@ from neuralgaits.certificate.levels.disturbed.radius_inequalities import (
     beside_start,
     face_inequalities,
 )
+from neuralgaits.certificate.levels.disturbed.state_inequalities import state_inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
 from neuralgaits.certificate.levels.full_order.inequalities import (
     Inequality,
@@ -44,6 +45,7 @@ def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> lis
         )
     if disturbed.free_clock:
         rows += _kick_inequalities(full, disturbed)
+    rows += state_inequalities(full, disturbed)
     return rows + (_hold_inequalities(full, disturbed) if disturbed.hold != 0.0 else [])
 
 

@@ -26,7 +26,12 @@ class DisturbedSearch(LevelSearch):
         evaluators = evaluators_in_norm(model, full, target.shared.get(4))
         free, gains = target.control.free_clock, target.gains
         constants = find_disturbed(
-            evaluators, full, free_clock=free, gains=gains, error=target.control.error
+            evaluators,
+            full,
+            free_clock=free,
+            gains=gains,
+            error=target.control.error,
+            state_error=target.control.state_error,
         )
         return constants if isinstance(constants, str) else (constants, {})
 

@@ -65,6 +65,14 @@ class DisturbedConstants:
         inertia_gains: gains of its inertia [kg m^2].
         decay: V' <= -decay V under that law, but for `rest` [1/s].
         rest: bound on |S e| of that law at eta = 0 [rad/s^2].
+        state_error: bounds on the error of each angle and of each rate of the state that torques
+            are computed from (rad, rad/s); empty, like the rest, if that state is the true one.
+        state_axes: half axes of an ellipsoid that holds such errors of (q, dq) (rad, rad/s).
+        state_moves: such an error moves phase, level and xi by less [1, 1, rad].
+        state_radius: states between a true and a measured one have sqrt(V) up to this above the
+            bound at their phase [rad].
+        state_slopes: bounds on |S e| of torques of such states, to first order [rad/s^2], and on
+            its growth with itself [1].
     """
 
     push: tuple[float, float]
@@ -84,6 +92,20 @@ class DisturbedConstants:
     inertia_gains: tuple[float, ...] = ()
     decay: float = 0.0
     rest: float = 0.0
+    state_error: tuple[float, ...] = ()
+    state_axes: tuple[float, ...] = ()
+    state_moves: tuple[float, ...] = ()
+    state_radius: float = 0.0
+    state_slopes: tuple[float, ...] = ()
+
+    def __post_init__(self):
+        """Refuse lists of other lengths. Raises: ValueError."""
+        lists = self.state_error, self.state_moves, self.state_slopes
+        lengths = tuple(map(len, lists))
+        if lengths != ((2, 3, 2) if self.state_axes else (0, 0, 0)):
+            raise ValueError(
+                "errors of a measured state without two bounds, three moves, two slopes"
+            )
 
     @property
     def scheduled(self) -> bool:
@@ -94,6 +116,11 @@ class DisturbedConstants:
     def free_clock(self) -> bool:
         """Return whether ticks may miss touchdowns."""
         return self.kick_end != 0.0
+
+    @property
+    def measured(self) -> bool:
+        """Return whether torques are of a measured state, and not of the true one."""
+        return bool(self.state_error)
 
 
 def slope_output(exact: bool) -> str:
@@ -122,7 +149,18 @@ def series(disturbed: DisturbedConstants) -> dict[str, tuple[float, ...]]:
             disturbed.kick_push,
             disturbed.kick_peak,
         )
+    if disturbed.measured:
+        lists["state_axes"] = disturbed.state_axes
+        lists["state_moves"] = *disturbed.state_moves, disturbed.state_radius
+        lists["state_slopes"] = disturbed.state_slopes
     return lists
+
+
+def wider_tube(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[Corner, Corner]:
+    """Return the corners of the tube that measured states are in, but for rounding."""
+    first, last = full.ends
+    phase, level, _ = disturbed.state_moves or (0.0, 0.0, 0.0)
+    return (first - phase, -level), (last + phase, 1.0 + level)
 
 
 def premises(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Premise]:
@@ -151,6 +189,12 @@ def premises(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Pr
             Premise("disturbed/kick-slope", *strip, sign="not negative"),
             Premise("disturbed/kick-push", *strip, sign="not negative"),
             Premise("disturbed/kick-contact", (first, 0.0), (disturbed.kick_end, 1.0)),
+        ]
+    if disturbed.measured:
+        required += [
+            Premise("disturbed/state-moves", *tube),
+            Premise("disturbed/state-error", *tube, sign="not negative"),
+            Premise("disturbed/state-growth", *tube, sign="not negative"),
         ]
     return required
 

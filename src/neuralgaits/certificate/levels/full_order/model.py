@@ -25,13 +25,15 @@ from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 Vector = Float[Array, " _"]
 """A vector of any length."""
 Outputs = Float[Array, " two_m"]
+Columns = Float[Array, "_ *columns"]
+"""A vector of any length, or columns of them, to which a linear map is applied."""
 Quantities = dict[str, Float[Array, "..."]]
 Weights = Sequence[float] | Vector
 """Weights of a norm, as in `FullOrderConstants.weights`."""
 
 
-def weighted(weights: Weights, x: Vector) -> Vector:
-    """Return S x for the upper triangular S of a norm. [m]."""
+def weighted(weights: Weights, x: Columns) -> Columns:
+    """Return S x for the upper triangular S of a norm. [m], or [m, columns]."""
     if len(weights) == 0:
         return x
     rows = []
@@ -62,8 +64,8 @@ def output_coordinates(xi: Outputs, bandwidth: float | Scalar, weights: Weights 
     return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
 
 
-def scaled_coordinates(eta: Outputs, bandwidth: float | Scalar, weights: Weights = ()) -> Outputs:
-    """Return scaled coordinates: the inverse of `output_coordinates`. [2m] (rad)."""
+def scaled_coordinates(eta: Columns, bandwidth: float | Scalar, weights: Weights = ()) -> Columns:
+    """Return scaled coordinates: the inverse of `output_coordinates`. [2m] (rad), or columns."""
     y, dy = (weighted(weights, part) for part in jnp.split(eta, 2))
     rate = dy / bandwidth
     return jnp.concatenate([rate, float(STIFF) * (y + rate)])

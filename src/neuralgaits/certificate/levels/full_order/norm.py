@@ -7,6 +7,7 @@ Nothing here is trusted.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,7 +24,14 @@ def find_plan(samples: GaitSamples, bandwidth: float, error: float = 0.0) -> Pla
     def hold(plans: NormPlans) -> float:
         return 1e3 * plans.best().hold
 
-    plan = _best(samples, bandwidth, hold, held=True, error=error).best()
+    found = _best(samples, bandwidth, hold, held=True, error=error)
+    if found.best().hold == 0.0 and found.error > 0.0:
+        # Where nothing can be held no norm is better than another: start where half the errors are.
+        sensed = None if samples.sensed is None else 0.5 * samples.sensed
+        half = replace(samples, sensed=sensed), bandwidth, hold
+        start = _best(*half, held=True, error=0.5 * error).matrix
+        found = _best(samples, bandwidth, hold, held=True, error=error, start=start)
+    plan = found.best()
     return plan if plan.hold > 0.0 else None
 
 
@@ -39,9 +47,14 @@ def find_widest(samples: GaitSamples, bandwidth: float) -> Plan | None:
 
 
 def _best(
-    samples: GaitSamples, bandwidth: float, worth: Worth, held: bool = False, error: float = 0.0
+    samples: GaitSamples,
+    bandwidth: float,
+    worth: Worth,
+    held: bool = False,
+    error: float = 0.0,
+    start: np.ndarray | None = None,
 ) -> NormPlans:
-    """Return the norm with the highest value."""
+    """Return the norm with the highest value, from S = `start` or from the robot's inertia on."""
     from scipy.optimize import minimize  # Slow to import, and only proofs need it.
 
     m = len(samples.inertia)
@@ -56,7 +69,10 @@ def _best(
         lower[diagonal] = np.exp(logarithms)
         return lower.T / size
 
-    lower = np.linalg.cholesky(samples.inertia / np.linalg.det(samples.inertia) ** (1.0 / m))
+    if start is None:
+        lower = np.linalg.cholesky(samples.inertia / np.linalg.det(samples.inertia) ** (1.0 / m))
+    else:
+        lower = start.T.copy()
     lower[diagonal] = np.log(lower[diagonal])
     with np.errstate(all="ignore"):
         best = minimize(

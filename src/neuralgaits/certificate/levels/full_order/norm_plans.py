@@ -80,6 +80,15 @@ class Plan(NamedTuple):
         return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
 
 
+def sensed_bound(errors: np.ndarray) -> float:
+    """Bound |S e| of torques of measured states, given S e of an error of each angle and rate.
+
+    At points, the errors' lengths add up at worst. [n, m, 2n].
+    """
+    room = 1.04  # As a multiple of the largest sum seen: between points, and off zero outputs.
+    return room * float(np.linalg.norm(errors, axis=1).sum(axis=1).max())
+
+
 def push_factor(bandwidth: float) -> float:
     """Return |d xi'/d e| for a unit |S e|, where xi' has S e/w and STIFF S e/w [s]."""
     return math.sqrt(1.0 + float(STIFF) ** 2) / bandwidth
@@ -96,7 +105,10 @@ class NormPlans:
         held: bool = False,
         error: float = 0.0,
     ):
-        self.samples, self.w, self.matrix, self.error = samples, bandwidth, matrix, error
+        self.samples, self.w, self.matrix = samples, bandwidth, matrix
+        self.error = (
+            error if samples.sensed is None else error + sensed_bound(matrix @ samples.sensed)
+        )
         self.impact = 1.06 if held else IMPACT
         inverse = np.linalg.inv(matrix)
         pair, inverse_pair = doubled(matrix), doubled(inverse)

@@ -1,7 +1,7 @@
 """Functions that the finder of level 4 evaluates, and the choice of the set."""
 
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, partial
 
 import jax
 import jax.numpy as jnp
@@ -13,6 +13,10 @@ from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
+from neuralgaits.certificate.levels.full_order.measured_state import (
+    state_movements,
+    weighted_error_slopes,
+)
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.norm import find_plan, find_widest
 from neuralgaits.certificate.levels.full_order.norm_plans import Plan
@@ -22,6 +26,7 @@ from neuralgaits.certificate.levels.full_order.samples import (
     SampleEvaluators,
     WithPushSlopes,
     WithSlopes,
+    sensed_errors,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
     FullOrderConstants,
@@ -46,6 +51,7 @@ def set_of(
     *,
     free_clock: bool = False,
     error: float = 0.0,
+    state_error: tuple[float, float] | None = None,
     evaluators: SampleEvaluators | None = None,
 ) -> FullOrderConstants | str:
     """Return the largest set tried whose constants fit together, or a sentence with the reason.
@@ -56,6 +62,8 @@ def set_of(
         widest: try the largest set first, in a norm of its own, and accept more boxes.
         free_clock: leave room in pushed sets for torques held through an impact.
         error: leave room in them for torques that are off by |S e| when they are set [rad/s^2].
+        state_error: leave room in them for torques of states that are off by that much in each
+            angle and each rate (rad, rad/s).
         evaluators: `evaluators_of` the model, made here if they are not given.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
@@ -63,7 +71,7 @@ def set_of(
     evaluators = evaluators or evaluators_of(model)
     reason = ""
     w = float(model.bandwidth)
-    samples = sample_gait(evaluators, free_clock) if pushed or widest else None
+    samples = sample_gait(evaluators, free_clock, state_error) if pushed or widest else None
     half_width = SMALL
     plan_shares = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.
     if widest:
@@ -190,14 +198,21 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         slopes = jax.jacfwd(error)(xi, none), jax.jacfwd(error, 1)(xi, none)
         return {"kick": error(xi, none), "kick/slope": slopes[0], "kick/push": slopes[1]}
 
+    def sensed(u, xi):
+        point, none = model.point(u, xi), jnp.zeros(model.size // 2)
+        errors = partial(weighted_error_slopes, model, point)
+        values = {"error": errors(none), "growth": jax.jacfwd(errors)(none)}
+        return values | state_movements(model, point)._asdict()
+
     size = model.size
-    off = _evaluator(pushed, size + size // 2)
+    off, errors = _evaluator(pushed, size + size // 2), _evaluator(sensed, size)
     return SampleEvaluators(
         _evaluator(step, size),
         _evaluator(guard, size),
         size,
         lambda u: off(u, np.zeros((len(u), size + size // 2))),
         _evaluator(kick, size),
+        lambda u: errors(u, np.zeros((len(u), size))),
     )
 
 
@@ -206,7 +221,11 @@ def _with_slopes(values: Mapping[str, Array], slopes: Mapping[str, Array]) -> di
     return {**values, **{f"{name}/slope": slope for name, slope in slopes.items()}}
 
 
-def sample_gait(evaluators: SampleEvaluators, free_clock: bool = False) -> GaitSamples | None:
+def sample_gait(
+    evaluators: SampleEvaluators,
+    free_clock: bool = False,
+    state_error: tuple[float, float] | None = None,
+) -> GaitSamples | None:
     """Evaluate the points that a search for a norm needs; None if the gait has no set at all."""
     levels = np.linspace(0.0, 1.0, 5)
     u = grid(np.linspace(0.0, 1.0, 31), levels)
@@ -247,6 +266,7 @@ def sample_gait(evaluators: SampleEvaluators, free_clock: bool = False) -> GaitS
         pace=float(step["pace"].max()),
         inertia=inertia,
         kick=_kicks(evaluators, levels) if free_clock else None,
+        sensed=None if state_error is None else sensed_errors(evaluators, u, state_error),
     )
 
 

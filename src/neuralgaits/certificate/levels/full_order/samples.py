@@ -26,6 +26,8 @@ class SampleEvaluators:
             torque in a push; law: error of the law's own torque, with its slope.
         kick: error right after an impact under the torque from before it, and its slopes in xi and
             in a push.
+        sensed: slopes in (q, dq) of the error of a constant torque [n, m, 2n], its own in that
+            error [n, m, 2n, m], of phase and level [n, 2, 2n] and of xi [n, 2m, 2n].
     """
 
     step: SampleEvaluator
@@ -33,12 +35,13 @@ class SampleEvaluators:
     size: int
     pushed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
     kick: SampleEvaluator | None = None
+    sensed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
 
     def in_norm(self, matrix: np.ndarray) -> "SampleEvaluators":
         """Return these functions with xi and pushes in the norm of S."""
         inverse = np.linalg.inv(matrix)
         inverse_pair = doubled(inverse)
-        pushed, kick = self.pushed, self.kick
+        pushed, kick, sensed = self.pushed, self.kick, self.sensed
 
         def converted(evaluator: SampleEvaluator) -> SampleEvaluator:
             return lambda u, xi: converted_samples(evaluator(u, xi @ inverse_pair.T), matrix)
@@ -62,12 +65,24 @@ class SampleEvaluators:
                 "kick/push": matrix @ samples["kick/push"] @ inverse,
             }
 
+        def converted_sensed(u: Float[np.ndarray, "n 2"]) -> Samples:
+            assert sensed is not None
+            samples = sensed(u)
+            growth = np.einsum("ij,njkl->nikl", matrix, samples["growth"]) @ np.linalg.inv(matrix)
+            return {
+                "chart": samples["chart"],
+                "error": matrix @ samples["error"],
+                "xi": doubled(matrix) @ samples["xi"],
+                "growth": growth,
+            }
+
         return replace(
             self,
             step=converted(self.step),
             guard=converted(self.guard),
             pushed=None if pushed is None else converted_pushed,
             kick=None if kick is None else converted_kick,
+            sensed=None if sensed is None else converted_sensed,
         )
 
 
@@ -115,6 +130,8 @@ class GaitSamples:
         inertia: d torque / d acceleration of the outputs, symmetric. [m, m]
         kick: error of the outputs' acceleration right after an impact under the torque from before
             it; a push is in that from before. None if there is a tick at each touchdown.
+        sensed: what errors of the state, each as large as allowed, add to the outputs'
+            acceleration. None for the true state. [n, m, 2n]
     """
 
     slack: WithPushSlopes
@@ -130,6 +147,16 @@ class GaitSamples:
     pace: float
     inertia: np.ndarray
     kick: WithPushSlopes | None = None
+    sensed: np.ndarray | None = None
+
+
+def sensed_errors(
+    evaluators: SampleEvaluators, u: np.ndarray, state_error: tuple[float, float]
+) -> np.ndarray:
+    """Return what an error of each angle and rate alone adds to ddy [rad/s^2]. [n, m, 2n]."""
+    assert evaluators.sensed is not None
+    slopes = evaluators.sensed(u)["error"]
+    return slopes * np.repeat(state_error, slopes.shape[2] // 2)
 
 
 def doubled(matrix: np.ndarray) -> np.ndarray:

@@ -39,6 +39,7 @@ class FullOrderSearch(LevelSearch):
                 control.bandwidth is not None,
                 free_clock=control.free_clock,
                 error=control.error,
+                state_error=control.state_error,
                 evaluators=evaluators,
             )
         except SpecError as error:  # The levels below read less of the robot.
