@@ -39,7 +39,10 @@ def main() -> None:
                 mean = float(np.mean(means)) if means else np.nan
                 good = abs(mean - told) <= ASKED_M_S and not falls
                 answer = "as asked" if good else "NOT as asked"
-                print(f"| {law} | {change} | {told:.2f} | {mean:.3f}, {falls} | {answer} |")
+                print(
+                    f"| {law} | {change} | {told:.2f} | {mean:.3f}, {falls} | {answer} |",
+                    flush=True,
+                )
 
 
 def _speed(

@@ -61,8 +61,15 @@ def test_sums_give_the_lean_of_each_whole_step(amber):
     expected = leans_of(amber, time, q, touchdown)
     assert expected is not None and len(expected) == 2
     np.testing.assert_allclose([found[110], found[215]], expected, rtol=1e-6)
-    # Not of a first step that was hardly seen, nor in mid-step.
-    assert np.isnan(np.delete(found, (110, 215))).all()
+    # In mid-step, what a step shows that ends there; at the last tick before its end, all of it.
+    shortened = touchdown | (np.arange(ticks) == 80)
+    until_there = leans_of(amber, time, q, shortened)
+    assert until_there is not None
+    assert found[79] == pytest.approx(until_there[0], rel=1e-6)
+    assert found[109] == found[110] and found[214] == found[215]
+    # Not of a first step that was hardly seen, nor while a foot settles.
+    settling = since < lean_sums.SETTLING_S
+    assert np.isnan(found[:31]).all() and np.isnan(np.array(found)[settling & ~touchdown]).all()
 
 
 def test_the_first_steps_count_alike_and_later_ones_more():

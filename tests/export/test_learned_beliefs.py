@@ -49,7 +49,7 @@ int main(void)
         ng_real fast[NG_COMMANDS];
         const ng_real wish[NG_COMMANDS] = {row[1] < 0.0 ? NG(0.6) : NG(0.8), row[0], row[3]};
         ng_adapt_first(wish, fast);
-        double out[12] = {adapt.believed, excess(&adapt, &state, &moving),
+        double out[12] = {adapt.believed, excess(&adapt, &state, lean_so_far(&adapt), &moving),
                                believes_anew(&adapt, &state), state.requested[0],
                                state.requested[1], state.requested[2], adapt.lean_steps,
                                adapt.since, 0.0, fast[0], fast[1], fast[2]};

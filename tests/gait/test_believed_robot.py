@@ -101,10 +101,10 @@ def test_the_largest_change_of_a_lean_is_a_length():
     assert wide.largest_change == 0.0048 and narrow.largest_change == 0.002
 
 
-def test_a_speed_and_a_lean_change_half_as_fast_together():
+def test_a_speed_beside_a_lean_changes_half_as_fast():
     """A tube has to follow both at once; other commands keep their change, alone and beside it."""
     told = commands_of(speed=(0.55, 0.90), step_height=(-0.01, 0.01), lean=(-0.03, 0.03))
-    assert [one.largest_change for one in told] == [0.021, None, 0.0024]
+    assert [one.largest_change for one in told] == [0.021, None, 0.0048]
     (speed, slope) = commands_of(speed=(0.55, 0.90), slope=(-0.03, 0.03))
     assert speed.largest_change == 0.042 and slope.largest_change == 0.0072
 

@@ -263,3 +263,18 @@ def test_the_usual_largest_change_is_written_with_few_digits():
     assert repr(speed.largest_change) == "0.042"
     (slope,) = commands_of(slope=(-0.03, 0.03))
     assert slope.largest_change == pytest.approx(0.0072, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("width", "alone", "beside_speed"),
+    [(0.004, 0.002, 0.001), (0.02, 0.0048, 0.0024), (0.04, 0.0048, 0.0032), (0.06, 0.0048, 0.0048)],
+)
+def test_a_lean_beside_a_speed_changes_half_as_fast_but_crosses_its_range(
+    width, alone, beside_speed
+):
+    ends = (-0.5 * width, 0.5 * width)
+    (lean,) = commands_of(lean=ends)
+    assert lean.largest_change == pytest.approx(alone)
+    speed, lean = commands_of(speed=(0.55, 0.90), lean=ends)
+    assert speed.largest_change == pytest.approx(0.021)
+    assert lean.largest_change == pytest.approx(beside_speed)

@@ -91,16 +91,23 @@ LEAN_ERROR = 3e-3
 def commands_of(**ranges: Interval | None) -> Commands:
     """Create commands of this package with their usual largest changes.
 
-    Speed and lean, in one gait, change half as fast: a tube has to follow both at once.
+    Speed and lean, in one gait, change half as fast: a tube has to follow both at once. But a lean
+    crosses its range in 13 steps or fewer, since a robot whose torso moves may stall meanwhile.
 
     Args:
         ranges: ranges by name; those that are None are left out.
     """
     given_ranges = {name: ends for name, ends in ranges.items() if ends is not None}
-    share = 0.5 if {"speed", LEAN} <= given_ranges.keys() else 1.0
+    both = {"speed", LEAN} <= given_ranges.keys()
     commands = []
     for name, (low, high) in given_ranges.items():
-        most = (share if name in ("speed", LEAN) else 1.0) * _largest_change(name, abs(high - low))
+        width = abs(high - low)
+        most = _largest_change(name, width)
+        if both and name == "speed":
+            most = 0.5 * most
+        elif both and name == LEAN:
+            crossed = 0.08  # Least share of the range that a believed lean may change a step.
+            most = min(most, max(0.5 * most, crossed * width))
         # Few digits: it stands, exactly, in statements that people read.
         commands.append(Command(name, low, high, float(f"{most:.6g}") or None))
     return tuple(commands)

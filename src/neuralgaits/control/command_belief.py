@@ -18,11 +18,11 @@ from neuralgaits.gait.commands import LEAN, SLOPE, Commands, command_named, plac
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.leaning import lean_series
 
-SETTLED = MappingProxyType({LEAN: 12e-3, SLOPE: 8e-3})
+SETTLED = MappingProxyType({LEAN: 5e-3, SLOPE: 8e-3})
 """Commands that may be believed, and how near to the estimate a belief has settled [m, rad]: errors
-of the speed are summed from there on. It makes up for what a lean lacks, so it waits for large
-errors only, of the first steps of a robot that is far from its belief. On a floor that is uneven by
-a centimetre an estimated slope moves by some 7e-3 a step and never settles more closely."""
+of the speed are summed from there on. While a lean is on its way they are not: it is learned in a
+few steps, and the sum would take as many to go back. On a floor that is uneven by a centimetre an
+estimated slope moves by some 7e-3 a step and never settles more closely."""
 
 
 class CommandBelief(NamedTuple):

@@ -83,12 +83,12 @@ def advance(
         since_touchdown: time since the last touchdown (s); infinite before the first.
         touchdown: whether a step begins.
 
-    Returns: the sums, and the lean that the step that ended shows (m), positive forward; NaN at
-        other ticks, and after a first step that was seen for less than 0.05 s.
+    Returns: the sums, and the lean that the step under way shows so far (m), positive forward; at
+        a touchdown that of the step that ended. NaN while the foot settles, and of a first step
+        while it has been seen for less than 0.05 s.
     """
     settled = since_touchdown >= SETTLING_S - 1e-9
     begun = sums.since >= 0.0
-    lean = jnp.where(touchdown & (sums.since > sums.least), learned(robot, sums), jnp.nan)
     passed = time - sums.time
     (z, w), (x, c) = with_derivative(robot, 0.5 * (sums.q + q), q - sums.q)
     middle = sums.since + 0.5 * passed
@@ -109,6 +109,8 @@ def advance(
         momentum=jnp.where(adding, momentum, 0.0),
         ahead=jnp.where(adding, ahead, 0.0),
     )
+    window: LeanSums = jax.tree.map(lambda *one: jnp.where(touchdown, *one), sums, after)
+    lean = jnp.where(window.since > window.least, learned(robot, window), jnp.nan)
     return after, lean
 
 

@@ -1,5 +1,6 @@
 """Control tick of a live walk in JAX."""
 
+import math
 from typing import Any
 
 import equinox as eqx
@@ -46,6 +47,7 @@ class JaxTick(LiveTick):
     @override
     def restart(self) -> None:
         self._carry = self._record_parts = self.speeds = None
+        self._lean = math.nan
         self.doubted = ()
         controller = self._scene.controller
         commands = controller.policy.commands
@@ -75,7 +77,7 @@ class JaxTick(LiveTick):
             self.compile()
         assert self._batch is not None
         state = np.concatenate([[data.time], data.qpos, data.qvel])
-        requested = self._adapted.request(self._requested)[None]
+        requested = self._adapted.request(self._requested, self._lean)[None]
         touch = data.sensordata[None, -2:]
         reading = PlantReading(state[None], touch, levels[None], self._noise, requested)
         carry = self._batch.carry if self._carry is None else self._carry
@@ -83,10 +85,11 @@ class JaxTick(LiveTick):
             self._arrays, carry, pack(reading)
         )
         outcome = self._batch.outcome_of(judged)
+        self._lean = float(outcome.lean[0])
         if outcome.touchdown[0]:
             result = self._batch.record_of(self._record_parts).result
             latched = np.asarray(result.commands[0])
-            lean = float(outcome.lean[0])
+            lean, self._lean = self._lean, math.nan
             self._adapted.touch_down(float(data.time), result.q[0], latched, self._requested, lean)
             self.speeds = StepSpeeds.of(self._adapted.ended, latched[0], self._adapted.place)
             self.doubted = self._adapted.doubted

@@ -64,7 +64,7 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 
 #if NG_LEAN_COMMAND || NG_SLOPE_COMMAND
 #define BELIEF_GAIN NG(0.3)    /* least share of the way to what a step shows */
-#define LEAN_SETTLED NG(12e-3) /* a belief that lacks less has settled [m] */
+#define LEAN_SETTLED NG(5e-3)  /* a belief that lacks less has settled [m] */
 #define SLOPE_SETTLED NG(8e-3) /* likewise [rad] */
 #define LEAN_JUMP NG(5e-3)     /* a step that shows this much else is of another robot [m] */
 #define SLOPE_JUMP NG(10.0)    /* none: floors are uneven [rad] */
@@ -137,9 +137,12 @@ static void tilt(ng_adapt *adapt, const ng_command *command)
 #define SETTLING NG(0.015)    /* of a foot after a touchdown [s] */
 #define FIRST NG(0.05)        /* shortest window of a step without a touchdown before it [s] */
 
-/* The lean of a window's sums. */
-static ng_real lean_shown(const ng_adapt *adapt)
+/* Whether the step under way shows a lean so far, that of its window's sums. */
+static int lean_shown(const ng_adapt *adapt, ng_real *lean)
 {
+    if (!(adapt->since > adapt->least && adapt->since > NG(0.0))) {
+        return 0;
+    }
     const ng_real length = adapt->since, square = length * length;
     const ng_real slope[3] = {NG(2.0) * square, NG(-6.0) * length, NG(4.0)};
     const ng_real share[3] = {square, NG(-2.0) * length, NG(1.0)};
@@ -150,7 +153,8 @@ static ng_real lean_shown(const ng_adapt *adapt)
                        NG_WEIGHT * share[i] * adapt->of_ahead[i][j];
         }
     }
-    return -sums[0] / sums[1];
+    *lean = -sums[0] / sums[1];
+    return 1;
 }
 
 /* What the interval since the last tick adds to the sums. */
@@ -181,8 +185,7 @@ static void learn(ng_adapt *adapt, const ng_measurement *reading, const ng_comma
     const int first = command->since_touchdown >= NG_NEVER * NG(0.5);
     if (command->touchdown) {
         adapt->lean_doubted = 0;
-        if (adapt->since > adapt->least && adapt->since > NG(0.0)) {
-            adapt->shown = lean_shown(adapt);
+        if (lean_shown(adapt, &adapt->shown)) {
             adapt->lean_doubted = ng_finite(adapt->shown) && !can_be(LEAN, adapt->shown);
             if (can_be(LEAN, adapt->shown)) {
                 /* A part of a step counts until a whole one. */
@@ -209,14 +212,25 @@ static void learn(ng_adapt *adapt, const ng_measurement *reading, const ng_comma
 #endif
 
 #if NG_LEAN_COMMAND
+/* The estimate with what the step under way shows so far: its touchdown latches that. */
+static ng_real lean_so_far(const ng_adapt *adapt)
+{
+    ng_real lean = adapt->believed, shown;
+    int steps = adapt->lean_steps;
+    if (lean_shown(adapt, &shown) && can_be(LEAN, shown)) {
+        take(&lean, &steps, shown, LEAN_JUMP, adapt->begun);
+    }
+    return lean;
+}
+
 /* Speed that a lean beyond the belief of the next step adds; whether that is still on its way. */
-static ng_real excess(const ng_adapt *adapt, const ng_state *state, int *moving)
+static ng_real excess(const ng_adapt *adapt, const ng_state *state, ng_real lean, int *moving)
 {
     const ng_real last = state->after[LEAN], change = ng_command_change[LEAN];
-    const ng_real wish = believable(LEAN, adapt->believed);
+    const ng_real wish = believable(LEAN, lean);
     const ng_real next = ng_clamp(wish, last - change, last + change);
     *moving = adapt->learns && next != wish;
-    return adapt->learns ? NG_SPEED_BY_LEAN * (adapt->believed - next) : NG(0.0);
+    return adapt->learns ? NG_SPEED_BY_LEAN * (lean - next) : NG(0.0);
 }
 #endif
 
@@ -277,9 +291,10 @@ int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_
     ng_real known = NG(0.0);
     int moving = 0;
 #if NG_LEAN_COMMAND
-    known = excess(adapt, state, &moving);
+    const ng_real lean = lean_so_far(adapt);
+    known = excess(adapt, state, lean, &moving);
     if (adapt->learns) {
-        wish[LEAN] = believable(LEAN, adapt->believed);
+        wish[LEAN] = believable(LEAN, lean);
     }
 #endif
 #if NG_SLOPE_COMMAND

@@ -27,7 +27,7 @@ typedef struct {
     ng_real error;     /* of the last measured step: reference - walked [m/s] */
     int learns;        /* 1: the lean is learned; 0: it is the one told. At any tick */
     int lean_steps;    /* steps that showed a lean */
-    ng_real believed;  /* mean of the leans shown: the next touchdown latches it, in its range [m] */
+    ng_real believed;  /* mean of the leans that steps showed, the one under way not yet [m] */
     ng_real shown;     /* lean that the last step showed [m] */
     int lean_doubted;  /* whether that cannot be; the belief is then as it was */
     uint32_t tick_us;  /* time of the last tick [us] */
@@ -54,8 +54,8 @@ void ng_adapt_first(const ng_real told[NG_COMMANDS], ng_real first[NG_COMMANDS])
 void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS]);
 
 /*
- * In place of ng_tell, before ng_step: what the operator tells, the speed adapted. Returns as
- * ng_tell does.
+ * In place of ng_tell, before every ng_step: what the operator tells, the speed adapted, the lean
+ * as the steps and the one under way show it. Returns as ng_tell does.
  */
 int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_COMMANDS]);
 

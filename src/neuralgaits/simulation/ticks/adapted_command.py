@@ -1,6 +1,7 @@
 """The commands of one episode, adapted at each touchdown if that is wanted: speed, lean, slope."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -59,18 +60,25 @@ class AdaptedCommand:
         }
         self._speed_by_lean = speed_by_lean(robot) if LEAN in self._beliefs else 0.0
 
-    def request(self, told: Float[np.ndarray, " p"]) -> Float[np.ndarray, " p"]:
-        """Return what the controller is to be told in the place of these commands."""
-        adapted = np.array(told)
+    def request(
+        self, told: Float[np.ndarray, " p"], lean: float = math.nan
+    ) -> Float[np.ndarray, " p"]:
+        """Return what the controller is to be told in the place of these commands. [p].
+
+        Args:
+            told: commands that the user tells. [p]
+            lean: lean that the step under way shows so far (m); NaN if it shows none.
+        """
+        adapted, estimates = np.array(told), self._so_far(lean)
         if self._adapter is not None and ADAPTED in self.names:
             speed = float(told[self.place])
-            excess, moving = self._excess()
+            excess, moving = self._excess(estimates)
             adapted[self.place] = speed_adapter.command_for(
                 self._adapter, self._state, speed, excess, moving=moving
             )
         for name, (place, belief) in self._beliefs.items():
             if name in self.names:
-                adapted[place] = believable(belief, self._estimates[name])
+                adapted[place] = believable(belief, estimates[name])
         return adapted
 
     def touch_down(
@@ -112,7 +120,15 @@ class AdaptedCommand:
             self._adapter, self._state, speed, before, after, walked, settled=settled
         )
 
-    def _excess(self) -> tuple[float, bool]:
+    def _so_far(self, lean: float) -> dict[str, CommandEstimate]:
+        """Return the estimates with what the step under way shows so far."""
+        if LEAN not in self._beliefs:
+            return self._estimates
+        _, belief = self._beliefs[LEAN]
+        now = learn(belief, self._estimates[LEAN], lean, whole=self._begun)
+        return self._estimates | {LEAN: now}
+
+    def _excess(self, estimates: Mapping[str, CommandEstimate]) -> tuple[float, bool]:
         """Return the speed that a lean beyond the belief of the next step adds (m/s).
 
         With it, whether that belief is still on its way.
@@ -120,7 +136,7 @@ class AdaptedCommand:
         if LEAN not in self.names or LEAN not in self._beliefs:
             return 0.0, False
         place, belief = self._beliefs[LEAN]
-        estimate = self._estimates[LEAN]
+        estimate = estimates[LEAN]
         next_lean = next_belief(belief, estimate, float(self._latched[place]))
         excess = self._speed_by_lean * (estimate.value - next_lean)
         return excess, next_lean != believable(belief, estimate)

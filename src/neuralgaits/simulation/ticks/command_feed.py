@@ -50,19 +50,21 @@ class CommandFeed:
             result = record().result
             q, latched = np.asarray(result.q), np.asarray(result.commands)
             for i in np.flatnonzero(outcome.touchdown):
-                time = float(outcome.stride[i, 0])
-                lean = float(outcome.lean[i])
-                self._adapted[i].touch_down(time, q[i], latched[i], self._scheduled[i], lean)
+                time, ended = float(outcome.stride[i, 0]), float(outcome.lean[i])
+                self._adapted[i].touch_down(time, q[i], latched[i], self._scheduled[i], ended)
+        # A step that has just begun shows nothing yet.
+        lean = np.where(outcome.touchdown, np.nan, outcome.lean)
         if self._courses is not None:
             for i, commands in enumerate(self._scheduled):
                 self._courses.look(
                     commands, i, int(outcome.steps[i]), np.asarray(outcome.feet[i, 1])
                 )
-                self.requested[i] = self._adapted[i].request(commands)
+                self.requested[i] = self._adapted[i].request(commands, lean[i])
             return
         for i in np.flatnonzero(outcome.touchdown):
             self._scheduled[i] = next(self._schedule[i])
-            self.requested[i] = self._adapted[i].request(self._scheduled[i])
+        for i in np.flatnonzero(outcome.touchdown | np.isfinite(outcome.lean)):
+            self.requested[i] = self._adapted[i].request(self._scheduled[i], lean[i])
 
     def row(self, episode: int, stride: Float[np.ndarray, " r"]) -> Float[np.ndarray, " w"]:
         """Return a row of `Strides`: that of the tick, with the speeds of the step that ended."""

@@ -72,7 +72,8 @@ class TickOutcome(NamedTuple):
     rise: Scalar
     """Commanded height of the next foothold [m]; 0 without a command."""
     lean: Scalar
-    """Lean of the torso that the step that has just ended shows [m]; NaN where none is learned."""
+    """Lean of the torso that the step under way shows so far, or at a touchdown the step that has
+    just ended [m]; NaN where none is learned or shown."""
 
 
 class TickRecord(NamedTuple):
@@ -194,7 +195,7 @@ def judge_and_record(
 def _learn_lean(
     scene: Scene, carry: Carry, result: TickResult, measurement: Measurement
 ) -> tuple[LeanSums | None, Scalar]:
-    """Return the next sums, and the lean that a step which has just ended shows (m)."""
+    """Return the next sums, and the lean that the step shows, see `TickOutcome.lean` (m)."""
     if carry.lean is None:
         return None, jnp.full((), jnp.nan)
     ticks = result.q, measurement.time, result.since_touchdown, result.touchdown
