@@ -1,5 +1,7 @@
 """Gaits and conditions read nothing of a robot but what `SteppingRobot` has."""
 
+import inspect
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,12 +12,19 @@ from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.policies.hybrid_invariant import HybridInvariantPolicy
 from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.robots.mjcf.leaning import leaning_robot
 from neuralgaits.robots.mjcf.parameters import ParameterAxis, model_of
 
-ASKED = {name for kind in SteppingRobot.__mro__ for name in vars(kind) if not name.startswith("_")}
+ASKED = {
+    name
+    for kind in inspect.getmro(SteppingRobot)
+    for name in vars(kind)
+    if not name.startswith("_")
+}
 
 
 class OtherRobot:
@@ -38,7 +47,9 @@ def robots(request):
 
 def gait_of(biped):
     spec = specs.load("walking", biped)
-    return spec, spec.new_gait(jax.random.key(0), "posture", None)
+    gait = spec.new_gait(jax.random.key(0), "posture", None)
+    assert isinstance(gait, Gait)
+    return spec, gait
 
 
 def test_the_protocol_leaves_the_formulas_of_a_biped_out(robots):
@@ -61,9 +72,12 @@ def test_conditions_of_another_robot_are_the_same_program(robots):
 def test_a_policy_is_matched_to_the_impact_of_another_robot(robots):
     biped, other = robots
     _, gait = gait_of(biped)
+    assert isinstance(gait.policy, HybridInvariantPolicy)
     bent = gait.policy.guard_outputs + 0.01
     policy = gait.policy.__class__(**{**vars(gait.policy), "guard_outputs": bent})
     own, matched = policy.match_impact(biped), policy.match_impact(other)
+    assert isinstance(own, HybridInvariantPolicy)
+    assert isinstance(matched, HybridInvariantPolicy)
     assert not np.array_equal(matched.start_outputs, gait.policy.start_outputs)
     np.testing.assert_array_equal(matched.cubic, own.cubic)
     np.testing.assert_array_equal(matched.momentum_ratio, own.momentum_ratio)
