@@ -6,8 +6,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.control.estimator import pinned
-from neuralgaits.control.measurement import Measurement, SensedRobot, coordinates
+from neuralgaits.control.estimator import contact_momentum, standing_rates
+from neuralgaits.control.measurement import (
+    Measurement,
+    SensedRobot,
+    coordinates,
+    standing_hip_velocity,
+)
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.safeguard import torque_limits
 from neuralgaits.control.touchdown import TouchdownThresholds, touches_down
@@ -83,6 +88,6 @@ def test_a_state_follows_from_what_sensors_read(robot, sensed, rng, leg):
     np.testing.assert_array_equal((q, dq), coordinates(robot, reading, stance))
     own, whole = (np.asarray(zero_state(one, q, dq, foot)) for one in (sensed, robot))
     np.testing.assert_array_equal(own, whole)
-    z2 = robot.momentum(q, dq)[0]
-    found, _ = pinned(sensed, q, dq[1:], z2, jnp.zeros(()))
+    momentum, _ = contact_momentum(sensed, q, dq, standing_hip_velocity(sensed, q, dq))
+    found, _ = standing_rates(sensed, q, dq[1:], momentum, jnp.zeros(()))
     np.testing.assert_allclose(found, dq, atol=1e-9)

@@ -69,7 +69,7 @@ def test_torques_are_those_of_the_robot_that_is_believed(run):
 @pytest.mark.slow
 def test_an_observer_is_told_the_belief(run):
     """Of encoders alone it knows the hip's speed with the right model only."""
-    encoders = {"estimator": 1, "encoder_step": 0.0004}
+    encoders = {"estimator": 1, "encoder_step": 0.0001}
     wrong, right = (
         walked(run, 0.012, lean=lean, steps=6, disturb=encoders).hip_speed_error_m_s
         for lean in (0.0, 0.012)

@@ -3,10 +3,10 @@
 Joint rates come from a fading-memory filter of second degree on each joint angle (g-h-k filter,
 all poles alike; Brookner 1998, Tracking and Kalman Filtering Made Easy, section 5.6.2), which has
 no lag at constant acceleration. No motor acts on the stance leg's absolute angle: its rate follows
-from the angular momentum z2 about the pinned stance foot, whose own rate is the moment of the
-weight, and the pitch only corrects the two (critically damped g-h filter). z2 is known across a
-touchdown, since a contact's impulse has no moment about itself; joint rates jump there, so their
-filters are quicker for a few ticks.
+from the angular momentum about the place where the stance foot touches, whose own rate is the
+moment of the weight, and the pitch only corrects the two (critically damped g-h filter). That
+momentum is known across a touchdown, since a contact's impulse has no moment about itself; joint
+rates jump there, so their filters are quicker for a few ticks.
 """
 
 from typing import NamedTuple
@@ -21,13 +21,12 @@ from neuralgaits.control.measurement import (
     SensedRobot,
     coordinates,
     pitch_rate,
-    stance_foot_velocity,
+    rolling_velocity,
     stance_joints,
     standing_hip_velocity,
 )
-from neuralgaits.control.momentum import zero_state
+from neuralgaits.control.momentum import momentum_about_contact
 from neuralgaits.control.touchdown import StanceState
-from neuralgaits.gait.zero_coordinates import momentum_of
 
 
 class EstimatorState(NamedTuple):
@@ -84,8 +83,9 @@ def estimate(
     # About the foot that stands now: what the old stance leg had before an impact, if it has
     # changed, and otherwise the momentum as it was left.
     q, dq = coordinates(robot, last, leg)
-    z, dz = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, last.hip_velocity))
-    momentum_rate = momentum_of(dz) if ankle is None else momentum_of(dz) + ankle
+    momentum, momentum_rate = contact_momentum(robot, q, dq, last.hip_velocity)
+    if ankle is not None:
+        momentum_rate = momentum_rate + ankle
     usual, quick = estimator.joint_gains(period_s)
     gains = jnp.where(standing.since_touchdown < estimator.quick_s, quick, usual)
     rates = last.rates + period_s * state.accelerations
@@ -101,16 +101,34 @@ def estimate(
     )
     q, _ = coordinates(robot, now, leg)
     actuated = stance_joints(robot.layout, now.rates, leg)
-    momentum = momentum_of(z) + period_s * momentum_rate
-    dq, hip = pinned(robot, q, actuated, momentum, rate_gain * pitch_error)
+    momentum = momentum + period_s * momentum_rate
+    dq, hip = standing_rates(robot, q, actuated, momentum, rate_gain * pitch_error)
     now = now._replace(dpitch=pitch_rate(robot, dq, leg), hip_velocity=hip)
     after = EstimatorState(now, state.accelerations + gains[2] * error, jnp.ones((), bool))
     first = EstimatorState(reading, jnp.zeros_like(state.accelerations), jnp.ones((), bool))
     return jax.tree.map(lambda new, old: jnp.where(state.started, new, old), after, first)
 
 
-def pinned(
-    robot: SensedRobot, q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar
+def contact_momentum(
+    robot: SensedRobot, q: Coordinates, dq: Coordinates, hip_velocity: Planar
+) -> tuple[Scalar, Scalar]:
+    """Compute the momentum about a stance foot's contact, and the moment of the weight about it.
+
+    Args:
+        robot: the model.
+        q: coordinates (rad). [n]
+        dq: their rates (rad/s). [n]
+        hip_velocity: velocity of the hip in the world (m/s). [2]
+
+    Returns: momentum (kg m^2/s), its rate (N m).
+    """
+    foot_velocity = hip_velocity - robot.hip_velocity(q, dq)
+    momentum = momentum_about_contact(robot, q, dq, foot_velocity)
+    return momentum, robot.momentum_rate(q)[0]
+
+
+def standing_rates(
+    robot: SensedRobot, q: Coordinates, actuated: Actuated, momentum: Scalar, extra: Scalar
 ) -> tuple[Coordinates, Planar]:
     """Compute the rates of a robot from its momentum while its stance foot does not slip.
 
@@ -118,14 +136,19 @@ def pinned(
         robot: the model.
         q: coordinates [n] (rad).
         actuated: rates of the actuated joints [m] (rad/s).
-        z2: angular momentum about the stance foot (kg m^2/s).
+        momentum: angular momentum about the stance foot's contact (kg m^2/s).
         extra: added to the rate of the first coordinate (rad/s).
 
     Returns: dq [n] (rad/s), and the hip's velocity [2] (m/s).
     """
+
+    def momentum_at(dq: Coordinates) -> Scalar:
+        centre = jnp.stack([rolling_velocity(robot, dq), jnp.zeros(())])
+        return momentum_about_contact(robot, q, dq, centre)
+
     axes = jnp.eye(robot.n)
     others = jnp.concatenate([jnp.zeros(1), actuated])
-    inertia = robot.momentum(q, axes[0])[0]
-    first = (z2 - robot.momentum(q, others)[0]) / inertia + extra
+    # Linear in dq.
+    first = (momentum - momentum_at(others)) / momentum_at(axes[0]) + extra
     dq = others + first * axes[0]
     return dq, standing_hip_velocity(robot, q, dq)

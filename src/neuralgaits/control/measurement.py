@@ -140,19 +140,27 @@ def pitch_rate(robot: SensedRobot, dq: Coordinates, stance: Int[Array, ""]) -> S
     return robot.pitch_row(stance) @ dq
 
 
-def standing_hip_velocity(robot: SensedRobot, q: Coordinates, dq: Coordinates) -> Planar:
-    """Velocity of the hip while the stance foot neither slips nor settles.
+def rolling_radius(robot: SensedRobot) -> Scalar | float:
+    """Return the radius of a point foot's sphere; 0 of a flat foot, which does not roll [m]."""
+    return 0.0 if robot.layout.ankles else robot.foot_radius
 
-    A point foot is a sphere: on level ground its centre moves by radius times rotation. The model
-    pins the centre.
+
+def rolling_velocity(robot: SensedRobot, dq: Coordinates) -> Scalar:
+    """Velocity of the centre of a stance foot that rolls on level ground, along x [m/s].
+
+    The model pins that centre.
+    """
+    # The first coordinate is the angle of the lowest link, counter-clockwise with x to the right.
+    return jnp.asarray(-rolling_radius(robot) * dq[0])
+
+
+def standing_hip_velocity(robot: SensedRobot, q: Coordinates, dq: Coordinates) -> Planar:
+    """Velocity of the hip while the stance foot neither slips nor settles, but rolls.
 
     Returns: [2], (x, z) (m/s).
     """
     along, up = robot.hip_velocity(q, dq)
-    if robot.layout.ankles:
-        return jnp.stack([along, up])
-    # q[0] is the angle of the lowest link, counter-clockwise seen with x to the right.
-    return jnp.stack([along - robot.foot_radius * dq[0], up])
+    return jnp.stack([along + rolling_velocity(robot, dq), up])
 
 
 def stance_foot_velocity(

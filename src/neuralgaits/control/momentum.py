@@ -5,10 +5,11 @@ foot's rolling moves the robot: that of the model, whose foot is pinned, plus wh
 Computed as D_row dq alone it would jump while a soft contact settles and throw the policy off.
 """
 
+import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Coordinates, Planar, Scalar, ZeroState
-from neuralgaits.control.measurement import SensedRobot
+from neuralgaits.control.measurement import SensedRobot, rolling_radius
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 
 
@@ -28,6 +29,27 @@ def momentum_about_foot(
     com_x, com_z = robot.centre_of_mass(q)
     along, up = foot_velocity
     return robot.momentum(q, dq)[0] + robot.mass * (com_z * along - com_x * up)
+
+
+def momentum_about_contact(
+    robot: SensedRobot, q: Coordinates, dq: Coordinates, foot_velocity: Planar
+) -> Scalar:
+    """Angular momentum about the place where the foot's sphere touches level ground.
+
+    An impact there has no moment about it, and the ground's force has none in a step.
+
+    Args:
+        robot: the model.
+        q: coordinates (rad). [n]
+        dq: their rates (rad/s). [n]
+        foot_velocity: velocity of the sphere's centre, rolling included (m/s). [2]
+
+    Returns: scalar (kg m^2/s), positive forward.
+    """
+    _, com_velocity = jax.jvp(robot.centre_of_mass, (q,), (dq,))
+    ahead = com_velocity[0] + foot_velocity[0]
+    about_centre = momentum_about_foot(robot, q, dq, foot_velocity)
+    return about_centre + robot.mass * rolling_radius(robot) * ahead
 
 
 def zero_state(

@@ -18,7 +18,8 @@ from neuralgaits.export.robot_programs import (
     dynamics,
     feet,
     lean_of_interval,
-    pinned_rates,
+    momentum_about_contact,
+    standing_rates_of,
     tells_lean,
     zero_dynamics_state,
 )
@@ -161,7 +162,8 @@ def parts(controller: Controller) -> list[Part]:
         zero_dynamics_state(controller),
         dynamics(controller),
         feet(controller),
-        pinned_rates(controller),
+        momentum_about_contact(controller),
+        standing_rates_of(controller),
         *([lean_of_interval(controller)] if tells_lean(policy) else []),
     ]
 

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Coordinates, Planar, Scalar
 from neuralgaits.control import Controller
 from neuralgaits.control.clf_qp import ground_force
-from neuralgaits.control.estimator import pinned
+from neuralgaits.control.estimator import contact_momentum, standing_rates
 from neuralgaits.control.lean_sums import with_derivative
 from neuralgaits.control.measurement import stance_foot_velocity
 from neuralgaits.control.momentum import zero_state
@@ -108,29 +108,52 @@ def lean_of_interval(controller: Controller) -> Part:
     )
 
 
-def pinned_rates(controller: Controller) -> Part:
-    """Return the Program of all rates on a foot that stands still."""
+def momentum_about_contact(controller: Controller) -> Part:
+    """Return the Program of the momentum that the estimator follows, and of its rate."""
+    robot = controller.robot
+
+    def momentum(
+        q: Coordinates, dq: Coordinates, hip_velocity_: Planar, lean: Scalar | None = None
+    ) -> dict[str, Array]:
+        value, rate = contact_momentum(leaning_robot(robot, lean), q, dq, hip_velocity_)
+        return {"momentum": value, "moment": rate}
+
+    n = robot.n
+    return Part(
+        "ng_contact_momentum",
+        "Angular momentum about the place where the stance foot touches [kg m^2/s], and the moment "
+        "of the weight about it [N m].",
+        trace(
+            momentum,
+            {"q": (n,), "dq": (n,), "hip_velocity_": (2,)} | _belief(controller),
+            parameters=robot,
+        ),
+    )
+
+
+def standing_rates_of(controller: Controller) -> Part:
+    """Return the Program of all rates on a foot that does not slip."""
     robot = controller.robot
 
     def standing(
         q: Coordinates,
         actuated: Actuated,
-        z2: Scalar,
+        momentum: Scalar,
         extra: Scalar,
         lean: Scalar | None = None,
     ) -> dict[str, Array]:
-        dq, hip = pinned(leaning_robot(robot, lean), q, actuated, z2, extra)
+        dq, hip = standing_rates(leaning_robot(robot, lean), q, actuated, momentum, extra)
         return {"dq": dq, "hip": hip}
 
     n = robot.n
     return Part(
-        "ng_pinned",
-        "All rates dq [rad/s] and the hip's velocity (x, z) [m/s] on a foot that stands still, "
-        "of those of the actuated joints and the momentum z2 [kg m^2/s]; `extra` is added to "
-        "the first [rad/s].",
+        "ng_standing_rates",
+        "All rates dq [rad/s] and the hip's velocity (x, z) [m/s] on a foot that does not slip, "
+        "of those of the actuated joints and the momentum about its contact [kg m^2/s]; `extra` "
+        "is added to the first [rad/s].",
         trace(
             standing,
-            {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()} | _belief(controller),
+            {"q": (n,), "actuated": (n - 1,), "momentum": (), "extra": ()} | _belief(controller),
             parameters=robot,
         ),
     )

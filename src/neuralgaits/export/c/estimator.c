@@ -7,15 +7,15 @@ void ng_estimator_start(ng_estimator *estimator)
     *estimator = fresh;
 }
 
-/* Momentum about the foot that stands now, one period later. */
-static ng_real momentum(const ng_measurement *last, int leg, ng_real ankle, const ng_real *lean)
+/* Momentum about the contact of the foot that stands now, one period later. */
+static ng_real momentum_ahead(const ng_measurement *last, int leg, ng_real ankle, const ng_real *lean)
 {
-    ng_real q[NG_COORDINATES], dq[NG_COORDINATES], z[2], dz[2], ddz2[1];
+    ng_real q[NG_COORDINATES], dq[NG_COORDINATES], moment, momentum;
     ng_coordinates(last->pitch, last->angles, leg, q);
     ng_coordinates(last->dpitch, last->rates, leg, dq);
     (void)lean;
-    ng_zero_state(dq, last->hip_velocity, NG_BELIEVED(lean) q, ddz2, dz, z);
-    return z[1] + NG_PERIOD * (dz[1] + ankle);
+    ng_contact_momentum(dq, last->hip_velocity, NG_BELIEVED(lean) q, &moment, &momentum);
+    return momentum + NG_PERIOD * (moment + ankle);
 }
 
 /* Follow the joint angles. */
@@ -37,14 +37,15 @@ static void follow_joints(ng_estimator *estimator, const ng_real gains[3],
 }
 
 /* Rates of all links from the momentum, and with them the hip's velocity. */
-static void stand(ng_measurement *now, int leg, ng_real z2, ng_real extra, const ng_real *lean)
+static void stand(ng_measurement *now, int leg, ng_real momentum, ng_real extra,
+                  const ng_real *lean)
 {
     ng_real q[NG_COORDINATES], rates[NG_COORDINATES], dq[NG_COORDINATES];
     const ng_measurement *seen = now;
     ng_coordinates(seen->pitch, seen->angles, leg, q);
     ng_coordinates(NG(0.0), seen->rates, leg, rates);
     (void)lean;
-    ng_pinned(rates + 1, &extra, NG_BELIEVED(lean) q, &z2, dq, now->hip_velocity);
+    ng_standing_rates(rates + 1, &extra, NG_BELIEVED(lean) &momentum, q, dq, now->hip_velocity);
     now->dpitch = dq[0];
     for (int i = 1; i < NG_COORDINATES; ++i) {
         now->dpitch += ng_pitch_row[leg][i] * dq[i];
@@ -94,12 +95,12 @@ void ng_estimate(ng_estimator *estimator, const ng_state *state, ng_measurement 
 #else
     const ng_real *lean = 0;
 #endif
-    const ng_real z2 = momentum(now, state->leg, state->ankle, lean);
+    const ng_real momentum = momentum_ahead(now, state->leg, state->ankle, lean);
     const ng_real pitch = now->pitch + NG_PERIOD * now->dpitch;
     const ng_real missed = reading->pitch - pitch;
     follow_joints(estimator, ng_joint_gain[quick], reading);
     now->pitch = pitch + ng_pitch_gain[0] * missed;
-    stand(now, state->leg, z2, ng_pitch_gain[1] * missed, lean);
+    stand(now, state->leg, momentum, ng_pitch_gain[1] * missed, lean);
     now->time_us = reading->time_us;
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         now->normal_force[leg] = reading->normal_force[leg];
