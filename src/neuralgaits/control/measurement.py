@@ -140,7 +140,7 @@ def pitch_rate(robot: SensedRobot, dq: Coordinates, stance: Int[Array, ""]) -> S
     return robot.pitch_row(stance) @ dq
 
 
-def rolling_radius(robot: SensedRobot) -> Scalar | float:
+def rolling_radius(robot: RobotFile) -> Scalar | float:
     """Return the radius of a point foot's sphere; 0 of a flat foot, which does not roll [m]."""
     return 0.0 if robot.layout.ankles else robot.foot_radius
 

@@ -24,6 +24,7 @@ from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.plant import PERIOD_S, build
+from neuralgaits.simulation.setup.starts import rolling_foot
 from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord
@@ -256,7 +257,8 @@ class LiveWalk:
         """Put the stance foot onto the floor at `foot_x` (m), and clear the controller's memory."""
         q, dq = np.split(x, 2)
         foot = (foot_x, self.floor.resting(foot_x, float(self._robot.foot_radius)))
-        self.data.qpos[:], self.data.qvel[:] = self.plant.state_map.to_mjcf(q, dq, 0, foot)
+        state = self.plant.state_map.to_mjcf(q, dq, 0, foot, rolling_foot(self._robot, dq))
+        self.data.qpos[:], self.data.qvel[:] = state
         for name in ("ctrl", "qfrc_applied", "sensordata"):
             getattr(self.data, name)[:] = 0.0
         self.outcome = None

@@ -29,6 +29,7 @@ from neuralgaits.simulation.setup.drives import law_of_drives
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import PERIOD_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.starts import rolling_foot
 from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch, Watch
@@ -245,11 +246,12 @@ def _plants(
 
 
 def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
-    """Return MuJoCo states of the starts, the stance foot resting on the floor at x = 0."""
+    """Return MuJoCo states of the starts, the stance foot rolling on the floor at x = 0."""
     q, dq = np.split(starts, 2, axis=1)
     # On a slope the sphere touches beside its lowest point.
     height = plant.robot.foot_radius * np.sqrt(1.0 + plant.slope**2)
-    qpos, qvel = plant.state_map.to_mjcf(q, dq, 0, (0.0, float(height)))
+    foot, rolling = (0.0, float(height)), rolling_foot(plant.robot, dq)
+    qpos, qvel = plant.state_map.to_mjcf(q, dq, 0, foot, rolling)
     return np.concatenate([np.zeros((len(starts), 1)), qpos, qvel], axis=1)
 
 
