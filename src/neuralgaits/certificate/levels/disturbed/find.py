@@ -9,10 +9,7 @@ from flint import arb
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.level_target import grid
-from neuralgaits.certificate.levels.disturbed.find_state import (
-    largest,
-    state_bounds,
-)
+from neuralgaits.certificate.levels.disturbed.find_state import DIGITS, largest, state_bounds
 from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.radius_inequalities import face_inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
@@ -40,8 +37,6 @@ from neuralgaits.gait.scheduled_gains import ScheduledGains
 
 SHARE_BELOW = 1.0 - 1e-9
 """Share of a limit that a number which must lie below it may reach."""
-DIGITS = 4
-"""Significant digits of numbers that a statement gives exactly, for people to read."""
 SPENT = 0.05
 """Share of dh/dt + alpha h that bounds may lose, and by which outputs may take more of forces."""
 
@@ -73,7 +68,7 @@ def find_disturbed(
             "outputs inside it: no set with a least radius was found for this gait"
         )
     u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
-    state = state_bounds(evaluators, full, state_error)
+    state = state_bounds(evaluators, full, u, state_error)
     sampled = _SampledBounds(evaluators, full, u, free_clock, error + state.error)
     if not sampled.gamma > 0.0:
         return "under this law V is not shown to fall"

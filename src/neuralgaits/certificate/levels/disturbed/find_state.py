@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from neuralgaits._digits import at_most
-from neuralgaits.certificate.level_target import grid
+from neuralgaits._types import Float
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 
 DIGITS = 4
-"""Significant digits of bounds, for people to read."""
+"""Significant digits of numbers that a statement gives exactly, for people to read."""
 ABOVE = 1.0 + 1e-9
 """Factor of room for rounding where a number must lie above another."""
 ROOM_OF_ERRORS, ROOM_OF_GROWTH, ROOM_OF_MOVES = 1.03, 1.3, 1.1
@@ -27,13 +27,14 @@ class StateBounds(NamedTuple):
         error: bound on |S e| of torques of measured states [rad/s^2].
     """
 
-    constants: dict[str, Any] = {}  # noqa: RUF012
-    error: float = 0.0
+    constants: dict[str, Any]
+    error: float
 
 
 def state_bounds(
     evaluators: SampleEvaluators,
     full: FullOrderConstants,
+    u: Float[np.ndarray, "k 2"],
     state_error: tuple[float, float] | None,
 ) -> StateBounds:
     """Return the constants of errors of a measured state in a set, in its norm.
@@ -41,12 +42,13 @@ def state_bounds(
     Args:
         evaluators: functions that evaluate the gait, in the set's norm.
         full: the set.
+        u: points of the chart. [k, 2]
         state_error: bounds on errors of angles and rates (rad, rad/s); None for a true state.
     """
     if state_error is None:
-        return StateBounds()
+        return StateBounds({}, 0.0)
     assert evaluators.sensed is not None
-    seen = evaluators.sensed(grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9)))
+    seen = evaluators.sensed(u)
     size = seen["error"].shape[2]
     off = np.repeat(state_error, size // 2)
     axes = _axes(np.linalg.norm(seen["error"], axis=1) * off, off)

@@ -13,8 +13,8 @@ from neuralgaits.certificate.levels.full_order.model import (
     unweighted,
     weighted,
 )
+from neuralgaits.gait.error_slopes import error_slopes, state_slopes
 from neuralgaits.gait.full_order import FullPoint
-from neuralgaits.gait.measured_state import error_slopes, state_slopes
 from neuralgaits.gait.zero_coordinates import position_of
 
 

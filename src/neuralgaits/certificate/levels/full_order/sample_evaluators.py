@@ -198,14 +198,9 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         slopes = jax.jacfwd(error)(xi, none), jax.jacfwd(error, 1)(xi, none)
         return {"kick": error(xi, none), "kick/slope": slopes[0], "kick/push": slopes[1]}
 
-    def sensed(u, xi):
-        point, none = model.point(u, xi), jnp.zeros(model.size // 2)
-        errors = partial(weighted_error_slopes, model, point)
-        values = {"error": errors(none), "growth": jax.jacfwd(errors)(none)}
-        return values | state_movements(model, point)._asdict()
-
     size = model.size
-    off, errors = _evaluator(pushed, size + size // 2), _evaluator(sensed, size)
+    off = _evaluator(pushed, size + size // 2)
+    errors = _evaluator(partial(_sensed, model), size)
     return SampleEvaluators(
         _evaluator(step, size),
         _evaluator(guard, size),
@@ -214,6 +209,14 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         _evaluator(kick, size),
         lambda u: errors(u, np.zeros((len(u), size))),
     )
+
+
+def _sensed(model: FullOrderModel, u, xi) -> dict[str, Array]:
+    """Return what errors of a measured state change, by name."""
+    point, none = model.point(u, xi), jnp.zeros(model.size // 2)
+    errors = partial(weighted_error_slopes, model, point)
+    values = {"error": errors(none), "growth": jax.jacfwd(errors)(none)}
+    return values | state_movements(model, point)._asdict()
 
 
 def _with_slopes(values: Mapping[str, Array], slopes: Mapping[str, Array]) -> dict[str, Array]:
