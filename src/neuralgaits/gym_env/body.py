@@ -17,6 +17,7 @@ from neuralgaits.control.touchdown import TouchdownThresholds, touches_down
 from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant
 from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.starts import rolling_foot
 from neuralgaits.simulation.setup.streams import Stream, generator
 from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 from neuralgaits.simulation.ticks.falls import ENDLESS, Ending, ending
@@ -86,7 +87,7 @@ class Body:
         push: float,
         seed: int,
     ) -> None:
-        """Restart on one leg, with its foot on the floor at x = 0.
+        """Restart on one leg, its foot rolling on the floor at x = 0.
 
         Args:
             plant: the disturbed robot.
@@ -100,9 +101,8 @@ class Body:
             self._take(plant)
         mujoco.mj_resetData(plant.model, self.data)
         lift = float(plant.robot.foot_radius) * np.hypot(1.0, plant.slope)
-        self.data.qpos[:], self.data.qvel[:] = plant.state_map.to_mjcf(
-            q, dq, leg, (0.0, float(lift))
-        )
+        foot, rolling = (0.0, float(lift)), rolling_foot(plant.robot, dq)
+        self.data.qpos[:], self.data.qvel[:] = plant.state_map.to_mjcf(q, dq, leg, foot, rolling)
         mujoco.mj_forward(plant.model, self.data)
         disturbance = plant.disturbance
         self._rng = generator(seed, 0, Stream.NOISE)
