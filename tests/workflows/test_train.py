@@ -27,7 +27,7 @@ from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.trained import Violations, trained_of
 from neuralgaits.runs.folder import NAN_STATE
 from neuralgaits.runs.names import ROBOT, SPEC, STATE, TRAINING_SUMMARY, WEIGHTS
-from neuralgaits.training.trainer import CAREFUL, SMALLER
+from neuralgaits.training.trainer import RESTARTS, SMALLER
 from neuralgaits.workflows import train as workflow
 from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.train import train
@@ -295,7 +295,7 @@ def test_a_changed_built_in_spec_cannot_pass_for_the_built_in(amber, trained, tm
 
 def test_smaller_steps_go_on_where_steps_turned_to_nan(amber, tmp_path, capsys):
     run = train(amber, f"{SMALL}:explosive", out=tmp_path / "run", root=tmp_path)
-    sizes = [pytest.approx(SMALLER**times, abs=1e-6) for times in range(1, CAREFUL + 1)]
+    sizes = [pytest.approx(SMALLER**times, abs=1e-6) for times in range(1, RESTARTS + 1)]
     assert run.summary["step_size"] in sizes
     assert all(np.isfinite(found["min_margin"]) for found in run.summary["conditions"].values())
     show_training(trained_of(run.path))

@@ -90,7 +90,7 @@ class CompiledLaw(NamedTuple):
     measure_z2: bool = True
     """Whether the policy gets the measured z2."""
     schedule: Any = None
-    """A `GainSchedule` in the model's place."""
+    """A `GainSchedule` (`control/gain_schedule.py`) in the model's place."""
     exported: bool = True
     """Whether exported controllers have it, too, and not compiled walks alone."""
 
@@ -118,7 +118,10 @@ class AbstractLaw(eqx.Module):
         return self
 
     def in_c(self) -> CompiledLaw | None:
-        """Return the law as compiled code has it; None for a law in JAX alone."""
+        """Return the law as compiled code has it; None for a law in JAX alone.
+
+        A class that inherits it walks in JAX alone, too: its torques may be others.
+        """
         return None
 
     def at_bandwidth(self, bandwidth: float) -> "AbstractLaw | None":

@@ -1,4 +1,7 @@
-"""Smooth bounds on commands and policy inputs. This is control, not traced conditions."""
+"""Torques cut at the motors' limits, and smooth bounds on commands and on the policy's input.
+
+Controllers alone have these: the conditions that are proved do not.
+"""
 
 from typing import TYPE_CHECKING
 

@@ -280,7 +280,7 @@ def _observations(m: int) -> spaces.Box:
     force = 20.0  # In weights of the robot.
     time = 10.0  # [s]
     sizes = [angle, rate] + [angle] * m + [rate] * m + [velocity] * 2
-    high = np.array([*sizes, force, force, 1.0, time, LARGEST_SPEED], dtype=np.float32)
-    low = -high
-    low[[-5, -4, -2, -1]] = 0.0
-    return spaces.Box(low, high, dtype=np.float32)
+    leg = 1.0
+    high = [*sizes, force, force, leg, time, LARGEST_SPEED]
+    low = [-size for size in sizes] + [0.0, 0.0, -leg, 0.0, 0.0]
+    return spaces.Box(np.array(low, np.float32), np.array(high, np.float32), dtype=np.float32)

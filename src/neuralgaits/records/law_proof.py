@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+Clock = Literal["touchdown", "free"]
+"""When torques are set: with a tick at each touchdown, or wherever touchdowns lie."""
+
 
 @dataclass(frozen=True)
 class LawProof:
@@ -22,7 +25,7 @@ class LawProof:
     bandwidth: float | None
     subject: str
     hold_s: float
-    clock: Literal["touchdown", "free"]
+    clock: Clock
     reason: str | None = None
 
     @property

@@ -76,13 +76,13 @@ def shape_of(kind: Any) -> shapes.Shape:
     if origin is not None:
         return shapes.table_of(shape_of(inner[1]))
     if not dataclasses.is_dataclass(kind):
-        plain = {
+        plain_kinds = {
             float: shapes.NUMBER,
             int: shapes.kind("a whole number", int),
             str: shapes.TEXT,
             bool: shapes.FLAG,
         }
-        return plain.get(kind, lambda value: None)
+        return plain_kinds.get(kind, lambda value: None)
     kinds = get_type_hints(kind, include_extras=True)
     shape = {}
     missing = dataclasses.MISSING

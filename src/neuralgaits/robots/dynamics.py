@@ -89,6 +89,8 @@ def acceleration(
 def angular_momentum(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Scalar:
     """Angular momentum about the pinned stance foot, positive forward.
 
+    Angles grow backwards, hence its sign.
+
     Returns: scalar z2 (kg m^2/s). Rotors turn with the joints and add nothing, but for that of a
     stance ankle, which turns against a foot at rest.
     """

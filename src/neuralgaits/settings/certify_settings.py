@@ -16,6 +16,7 @@ from neuralgaits._checks import (
 )
 from neuralgaits.errors import InputError
 from neuralgaits.records.checked import Arithmetic
+from neuralgaits.records.law_proof import Clock
 from neuralgaits.records.level_words import (
     DISTURBED_LEVEL,
     FULL_ORDER_LEVEL,
@@ -74,7 +75,7 @@ class CertifySettings(Settings):
     AMBER-3M."""
     controller: Literal["fblin", "scheduled-pd"] = "fblin"
     """Control law that level 5 is about, at the bandwidth given."""
-    clock: Literal["touchdown", "free"] = "touchdown"
+    clock: Clock = "touchdown"
     """At level 5, when torques are set: at each touchdown and then from tick to tick; or free: by
     a clock that knows of no touchdown."""
     error: Annotated[float, arg(metavar="RAD/S^2")] = 0.0

@@ -42,8 +42,10 @@ VALIDATE_EVERY = 100
 """Gradient steps between two evaluations of the fixed validation samples."""
 SMALLER = 0.3
 """Factor on the size of steps after NaN."""
-CAREFUL = 3
+RESTARTS = 3
 """Number of times that this factor may be applied."""
+VALIDATION_SEED = 0
+"""Of the samples on which weights are compared, the same for all gaits."""
 
 
 @dataclass(frozen=True)
@@ -165,7 +167,8 @@ class Trainer:
 
         Returns: None if its steps are as small as makes sense.
         """
-        if float(state.rate) < 1.5 * SMALLER**CAREFUL:
+        # Half-way to the next factor, since the rate is in single precision.
+        if float(state.rate) < 1.5 * SMALLER**RESTARTS:
             return None
         return state._replace(parameters=state.best, rate=SMALLER * state.rate)
 
@@ -197,7 +200,8 @@ class Trainer:
     def validate(self, state: TrainState) -> TrainState:
         """Keep the parameters if their loss on the validation samples is the lowest so far."""
         gait = self.gait(state.parameters)
-        result, _ = self._evaluate(gait, jax.random.key(0), self.extra, jnp.ones(()))
+        key, disturbed = jax.random.key(VALIDATION_SEED), jnp.ones(())
+        result, _ = self._evaluate(gait, key, self.extra, disturbed)
         loss = float(result.total)
         if loss < float(state.best_loss):
             return state._replace(best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64))
@@ -214,7 +218,8 @@ class Trainer:
 
         Samples of extra boxes count for the loss alone.
         """
-        loss, margins = self._evaluate(gait, jax.random.key(seed), self.extra, jnp.zeros(()))
+        key, undisturbed = jax.random.key(seed), jnp.zeros(())
+        loss, margins = self._evaluate(gait, key, self.extra, undisturbed)
         rows = self._validation_layout.counts
         margins = np.asarray(margins)[: len(rows)]
         by_condition = {

@@ -9,8 +9,11 @@ The bytes of a file, unpacked, are limited in `runs/packed.py`; depth and digits
 """
 
 MOST_FIELDS = 1000
+"""Most fields of a JSON object."""
 MOST_NAMES = 1000
+"""Most names in one list, as of conditions."""
 MOST_OUTPUTS = 4000
+"""Most outputs of a Program."""
 MOST_STATEMENTS = 1000
 MOST_LEAVES = 2**23
 """Most leaves of all trees together. In memory each leaf is two corners: 32 bytes in two axes, 256
@@ -20,9 +23,12 @@ MOST_OF_OUTPUT = 1000
 MOST_BOXES = 32
 """Most boxes of a region; whether they cover the chart is checked between all of their edges."""
 MOST_DIMENSIONS = 8
+"""Most dimensions of an array of a Program; the chart may have more axes."""
 MOST_SERIES = 1000
+"""Most numbers of one constant of a theorem."""
 MOST_COMMANDS = 7
 DEEPEST = 60
+"""Most levels of JSON inside each other."""
 MOST_WORK = 2**23
 """Most numbers that the operations of a Program read, multiply and make."""
 MOST_DIGITS = 9

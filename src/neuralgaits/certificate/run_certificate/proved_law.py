@@ -5,7 +5,7 @@ exported controllers: those must not act.
 """
 
 from collections.abc import Mapping
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -19,7 +19,7 @@ from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.run_certificate.proved_monitor import proved_levels
 from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading
 from neuralgaits.control import Controller, Fblin, ScheduledPd
-from neuralgaits.records.law_proof import LawProof
+from neuralgaits.records.law_proof import Clock, LawProof
 from neuralgaits.records.level_words import DISTURBED_LEVEL, FULL_ORDER_LEVEL
 
 ROUNDING = 1e-9
@@ -39,7 +39,7 @@ class ProvedLaw(NamedTuple):
     name: str
     bandwidth: float
     hold_s: float
-    clock: Literal["touchdown", "free"]
+    clock: Clock
 
 
 def proved_law(certificate: CertificateReading) -> ProvedLaw | None:

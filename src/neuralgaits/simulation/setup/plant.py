@@ -6,6 +6,7 @@ place, which both feet meet, and every episode has a model of its own.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -187,7 +188,7 @@ def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
         )
 
 
-def _planes(spec: mujoco.MjSpec):
+def _planes(spec: mujoco.MjSpec) -> Iterator:
     return (geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE)
 
 

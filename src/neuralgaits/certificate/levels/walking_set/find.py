@@ -104,7 +104,7 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def least_of_inlet(
     spec: GaitSpec, evaluate: Evaluator, constants: WalkingSetConstants
 ) -> Mapping[str, float]:
-    """Return the lower bounds that outputs which enclose constants must reach."""
+    """Return by output the least that its lower bound must be, so that the constants hold."""
     if not constants.told:
         return {
             "set/reset-phase": -constants.start_strip,
