@@ -154,6 +154,8 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
     Each is traced when it is first called: level 4 alone asks for no pushes, level 5 for no guard
     any more. Calls raise SpecError if it cannot be.
     """
+    size = model.size
+    m = size // 2
 
     def step(u, xi):
         def moving(at):
@@ -171,8 +173,6 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         return quantities | {"drift": model.at_crossing(u)[1]}
 
     def pushed(u, xi):
-        m = model.size // 2
-
         def forces(push):
             quantities = model.in_step(model.point(u, xi[:-m], push))
             return {"contact": quantities["contact"], "torque": quantities["torque"]}
@@ -194,18 +194,17 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         def error(xi, push):
             return law.after_impact(model.point(u, xi), u, push)
 
-        none = jnp.zeros(model.size // 2)
+        none = jnp.zeros(m)
         slopes = jax.jacfwd(error)(xi, none), jax.jacfwd(error, 1)(xi, none)
         return {"kick": error(xi, none), "kick/slope": slopes[0], "kick/push": slopes[1]}
 
-    size = model.size
-    off = _evaluator(pushed, size + size // 2)
+    off = _evaluator(pushed, size + m)
     errors = _evaluator(partial(_sensed, model), size)
     return SampleEvaluators(
         _evaluator(step, size),
         _evaluator(guard, size),
         size,
-        lambda u: off(u, np.zeros((len(u), size + size // 2))),
+        lambda u: off(u, np.zeros((len(u), size + m))),
         _evaluator(kick, size),
         lambda u: errors(u, np.zeros((len(u), size))),
     )
