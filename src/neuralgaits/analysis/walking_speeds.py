@@ -9,6 +9,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.gait.stepping_robot import SteppingRobot
+from neuralgaits.robots.robot_file import RobotFile
 
 FROUDE = 1.0
 """v^2 / (g L) at which a hip on a stiff leg needs no floor: beyond, feet leave it, a robot runs
@@ -17,7 +18,7 @@ LONGEST_STEP = 1.0
 """Longest step in leg lengths: legs 60 degrees apart at touchdown."""
 
 
-def fastest_by_gravity(robot: SteppingRobot) -> float:
+def fastest_by_gravity(robot: RobotFile) -> float:
     """Return the speed at which the Froude number is `FROUDE` (m/s)."""
     return math.sqrt(FROUDE * float(robot.gravity) * robot.layout.leg_length)
 
@@ -79,7 +80,7 @@ def speed_doubt(robot: SteppingRobot, speed: float | tuple[float, float] | None)
     )
 
 
-def length_doubt(robot: SteppingRobot, step_length: tuple[float, float] | None) -> str | None:
+def length_doubt(robot: RobotFile, step_length: tuple[float, float] | None) -> str | None:
     """Say why a robot is not likely to walk with steps as long as these (m).
 
     Returns: one line with a length to request; None if there is no objection.
@@ -95,7 +96,7 @@ def length_doubt(robot: SteppingRobot, step_length: tuple[float, float] | None) 
     )
 
 
-def size_doubt(robot: SteppingRobot) -> str | None:
+def size_doubt(robot: RobotFile) -> str | None:
     """Say why the lengths of a robot file may be in another unit than metres; None if they fit."""
     # Shortest and longest legs that are likely to be meant (m); else a file may be in millimetres.
     least, most = 0.02, 20.0
