@@ -18,9 +18,9 @@ from common import show, trained, whole
 
 import neuralgaits
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.gait.standing import Stand, centre_of_mass, posture, standing_postures
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.robots.standing import Stand, centre_of_mass, posture, standing_postures
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.sensing import sensed
 from neuralgaits.simulation.supervised.supervised_robot import (

@@ -10,7 +10,7 @@ from fmpy.validation import validate_fmu
 from neuralgaits.errors import InputError
 from neuralgaits.export.fmu.fmu_variables import variables_of
 from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting
-from neuralgaits.gait.standing import standing_postures
+from neuralgaits.robots.standing import standing_postures
 from neuralgaits.simulation.supervised.supervisor_library import SupervisorTick, supervisor_library
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.export import export_controller

@@ -8,10 +8,10 @@ import pytest
 
 from neuralgaits.export import build
 from neuralgaits.export.source import gait_files
-from neuralgaits.gait.standing import centre_of_mass, standing_postures
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import centre_of_mass as centre_of_mass_in_jax
 from neuralgaits.robots.dynamics import hip_position, swing_foot
+from neuralgaits.robots.standing import centre_of_mass, standing_postures
 from support.compiled import folder_with
 from support.designs import LAWS, commanded_design, design_for
 

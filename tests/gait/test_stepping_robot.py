@@ -13,7 +13,10 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.policies.hybrid_invariant import HybridInvariantPolicy
+from neuralgaits.gait.policies.mlp import MLPPolicy
+from neuralgaits.gait.posture import REFERENCE_LEG_M, posture_path, walking_posture
 from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.robots.mjcf.leaning import leaning_robot
@@ -105,3 +108,34 @@ def test_only_a_planar_biped_leans_or_has_a_box_around_it(robots):
     assert model_of(other, ()) is other
     with pytest.raises(InputError, match="expected a PlanarBiped"):
         specs.load("walking", other)
+
+
+def test_postures_and_new_policies_of_another_robot(robots):
+    biped, other = robots
+    for own, theirs in zip(walking_posture(biped), walking_posture(other), strict=True):
+        np.testing.assert_array_equal(theirs, own)
+    z1 = np.linspace(-0.5, 0.5, 3) * walking_posture(biped).z_guard
+    np.testing.assert_array_equal(posture_path(other, z1), posture_path(biped, z1))
+    # One's masses are constants of compiled code, the other's its inputs: rounded otherwise.
+    np.testing.assert_allclose(
+        JointResponse(other).accelerations, JointResponse(biped).accelerations, rtol=1e-9
+    )
+    for kind in (HybridInvariantPolicy, MLPPolicy):
+        here, there = (kind.init(robot, key=jax.random.key(0)) for robot in robots)
+        assert jax.tree.structure(there) == jax.tree.structure(here)
+        for own, theirs in zip(jax.tree.leaves(here), jax.tree.leaves(there), strict=True):
+            np.testing.assert_allclose(theirs, own, rtol=1e-9, atol=1e-12)
+
+
+def test_the_hip_of_a_rough_step_is_where_the_robot_has_it(robots):
+    """At constant height, and as far ahead of the foot as was asked for."""
+    biped, _ = robots
+    guard = walking_posture(biped).z_guard
+    z1 = np.array([-0.5, 0.0, 0.5]) * guard
+    row = np.asarray(biped.position_rows[0])
+    heights = []
+    for position, outputs in zip(z1, posture_path(biped, z1), strict=True):
+        q = np.concatenate([[(position - row[1:] @ outputs) / row[0]], outputs])
+        heights.append(float(biped.hip_position(q)[1]))
+    height = 0.835 / REFERENCE_LEG_M * biped.leg_length
+    np.testing.assert_allclose(heights, height, rtol=0.02)

@@ -228,7 +228,7 @@ class Unprintable:
         (lambda: ANY.demo(speed=1), "speed: expected bool, found 1"),
         (lambda: ANY.figures(5), "run: expected Run or str or Path, found 5"),
         (lambda: ANY.write_report("r", out=5), "out: expected str or Path, found 5"),
-        (lambda: ANY.inspect("amber3m"), "robot: expected PlanarBiped, found 'amber3m'"),
+        (lambda: ANY.inspect("amber3m"), "robot: expected a PlanarBiped, found 'amber3m': load"),
         (lambda: ANY.export_controller("r", "x", force="no"), "force: expected bool"),
         (lambda: ANY.load_robot("a" * 9999), "found a name of 9999 characters"),
         (lambda: ANY.load_robot(b"x"), "a robot by name"),

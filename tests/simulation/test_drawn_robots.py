@@ -9,10 +9,11 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
+from neuralgaits.robots.drawn_robots import DrawnRobots
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import schedule_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
+from neuralgaits.simulation.setup.floor_of_box import on_floor_of
 from neuralgaits.simulation.trained_walks import TrainedWalks, to_arrays
 from neuralgaits.workflows.simulate import simulate
 
@@ -38,11 +39,10 @@ def _shares():
 
 
 def test_the_floor_of_a_box_is_walked_on():
-    drawn = DrawnRobots(load_robot("amber3m"), BOX, 0)
-    floor = drawn.on_its_floor(PlantChanges(delay_ms=2.0))
+    floor = on_floor_of(BOX, PlantChanges(delay_ms=2.0))
     assert (floor.floor_height, floor.friction, floor.delay_ms) == (0.002, 0.5, 2.0)
     with pytest.raises(InputError, match="leave one out"):
-        drawn.on_its_floor(PlantChanges(friction=0.4))
+        on_floor_of(BOX, PlantChanges(friction=0.4))
 
 
 @pytest.mark.parametrize("choice", ["native", pytest.param("jax", marks=pytest.mark.slow)])

@@ -7,7 +7,7 @@ from mujoco import mj_forward
 from neuralgaits.analysis.run import open_run
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.export import build, controller_facts
-from neuralgaits.gait.standing import Stand, posture
+from neuralgaits.robots.standing import Stand, posture
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.sensing import sensed
 from neuralgaits.simulation.supervised.supervised_robot import (

@@ -101,7 +101,7 @@ def test_a_spec_that_leaves_the_folder_leaves_paths_as_they_are(tmp_path, monkey
     Path("mine.py").write_text(AWAY)
     settings = {"specs": ["mine.py:own"], "speeds": [None]}
     assert inputs_of(["amber3m"], settings)["spec-0.py"] == AWAY.encode()
-    made = new_training(load_robot("amber3m"), GaitSettings(spec="mine.py:own", hidden=(4,)), 0)
+    made = new_training(GaitSettings("amber3m", spec="mine.py:own", hidden=(4,)), 0)
     assert made.copies["spec.py"] == AWAY
     assert os.path.samefile(os.curdir, tmp_path)
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -203,6 +204,18 @@ def steady_gait(
     ]
     gait = _gait_at(family, robot, np.array(v), reset_residual)
     return jax.tree.map(np.asarray, gait.steady_next)
+
+
+class RunParts(NamedTuple):
+    """What a run has beside its folder, see `Run`."""
+
+    robot: PlanarBiped
+    spec: GaitSpec
+    gait: AnyGait
+
+    def in_folder(self, folder: RunFolder) -> Run:
+        """Return the run of these parts in a folder."""
+        return Run(folder, *self)
 
 
 def open_run(run: "Run | str | Path") -> Run:

@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.stepping_robot import SteppingRobot
+from neuralgaits.robots.robot_file import RobotFile
 
 FROUDE = 1.0
 """v^2 / (g L) at which a hip on a stiff leg needs no floor: beyond, feet leave it, a robot runs
@@ -17,12 +18,12 @@ LONGEST_STEP = 1.0
 """Longest step in leg lengths: legs 60 degrees apart at touchdown."""
 
 
-def fastest_by_gravity(robot: PlanarBiped) -> float:
+def fastest_by_gravity(robot: RobotFile) -> float:
     """Return the speed at which the Froude number is `FROUDE` (m/s)."""
-    return math.sqrt(FROUDE * float(robot.gravity) * robot.leg_length)
+    return math.sqrt(FROUDE * float(robot.gravity) * robot.layout.leg_length)
 
 
-def fastest_by_torque(robot: PlanarBiped) -> float:
+def fastest_by_torque(robot: SteppingRobot) -> float:
     """Return a speed above which the hip motor cannot bring a leg forward in time (m/s).
 
     A leg at rest behind the hip comes to rest ahead of it, turned by the angle a of the longest
@@ -35,14 +36,14 @@ def fastest_by_torque(robot: PlanarBiped) -> float:
     angle = 2.0 * math.asin(0.5 * LONGEST_STEP)
     torque = float(robot.torque_limit[_swing_hip(robot) - 1])
     time = math.sqrt(4.0 * inertia * angle / torque)
-    return LONGEST_STEP * robot.leg_length / time
+    return LONGEST_STEP * robot.layout.leg_length / time
 
 
-def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -> str | None:
+def speed_doubt(robot: SteppingRobot, speed: float | tuple[float, float] | None) -> str | None:
     """Say why a robot is not likely to walk at a speed.
 
     Args:
-        robot: robot, as `load_robot` returns it.
+        robot: the model.
         speed: mean (m/s), a range of them, or None for any.
 
     Returns: one line with a speed to request; None if there is no objection.
@@ -67,8 +68,8 @@ def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -
         share = highest / gravity
         froude = FROUDE * share * share
         why = (
-            f"legs of {robot.leg_length:.2f} m leave the floor at v^2/(g L) = 1, and here it is "
-            f"{froude:.2g}"
+            f"legs of {robot.layout.leg_length:.2f} m leave the floor at v^2/(g L) = 1, and here "
+            f"it is {froude:.2g}"
         )
     else:
         limit = float(robot.torque_limit[_swing_hip(robot) - 1])
@@ -79,35 +80,37 @@ def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -
     )
 
 
-def length_doubt(robot: PlanarBiped, step_length: tuple[float, float] | None) -> str | None:
+def length_doubt(robot: RobotFile, step_length: tuple[float, float] | None) -> str | None:
     """Say why a robot is not likely to walk with steps as long as these (m).
 
     Returns: one line with a length to request; None if there is no objection.
     """
-    longest = LONGEST_STEP * robot.leg_length
+    length = robot.layout.leg_length
+    longest = LONGEST_STEP * length
     if step_length is None or not max(step_length) > longest:
         return None
     return (
         f"no gait with steps of {max(step_length):g} m is likely for {robot.name}, training goes "
-        f"on all the same: legs of {robot.leg_length:.2f} m are then more than 60 degrees apart; "
+        f"on all the same: legs of {length:.2f} m are then more than 60 degrees apart; "
         f"ask for less than {longest:.2g} m"
     )
 
 
-def size_doubt(robot: PlanarBiped) -> str | None:
+def size_doubt(robot: RobotFile) -> str | None:
     """Say why the lengths of a robot file may be in another unit than metres; None if they fit."""
     # Shortest and longest legs that are likely to be meant (m); else a file may be in millimetres.
     least, most = 0.02, 20.0
-    if least <= robot.leg_length <= most:
+    length = robot.layout.leg_length
+    if least <= length <= most:
         return None
     return (
-        f"legs of {robot.name} are {robot.leg_length:g} m long: lengths in a robot file are in "
+        f"legs of {robot.name} are {length:g} m long: lengths in a robot file are in "
         "metres, so write 0.34 for 340 mm"
     )
 
 
 def gait_doubt(
-    robot: PlanarBiped,
+    robot: SteppingRobot,
     speed: float | tuple[float, float] | None,
     step_length: tuple[float, float] | None,
 ) -> str | None:
@@ -115,12 +118,12 @@ def gait_doubt(
     return size_doubt(robot) or speed_doubt(robot, speed) or length_doubt(robot, step_length)
 
 
-def _swing_hip(robot: PlanarBiped) -> int:
+def _swing_hip(robot: SteppingRobot) -> int:
     """Return the number of the coordinate that turns the leg in the air about the hip."""
     return robot.n // 2 + (1 if robot.torso is not None else 0)
 
 
-def _leg_inertia(robot: PlanarBiped) -> float:
+def _leg_inertia(robot: SteppingRobot) -> float:
     """Return the inertia of a straight leg and its rotor about the hip (kg m^2)."""
     straight: Float[np.ndarray, " n"] = np.zeros(robot.n)
     matrix = np.asarray(robot.mass_matrix(straight))

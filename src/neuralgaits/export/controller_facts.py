@@ -16,7 +16,7 @@ from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.export.design import Design
 from neuralgaits.gait.commands import LEAN, SLOPE, CommandLimits, place_of
 from neuralgaits.gait.joint_inertia import JointResponse
-from neuralgaits.gait.standing import (
+from neuralgaits.robots.standing import (
     StandingPostures,
     first_momentum,
     pendulum_rate,

@@ -4,13 +4,13 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.gait.posture import posture_path, walking_posture
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.stepping_robot import SteppingRobot
 
 
 class FirstStates:
     """Full initial states of a robot within a rough step, with consistent output rates."""
 
-    def __init__(self, robot: PlanarBiped):
+    def __init__(self, robot: SteppingRobot):
         """Solve the inverse kinematics of the step once."""
         self._robot = robot
         hip_positions = 25
@@ -34,7 +34,7 @@ class FirstStates:
             np.array([np.interp(z1, self._z1, column) for column in table.T])
             for table in (self._outputs, self._slopes)
         )
-        gradient, rates = self._robot.hip_gradient, slopes * speed
+        gradient, rates = self._robot.position_rows[0], slopes * speed
         first = (z1 - gradient[1:] @ outputs) / gradient[0]
         dfirst = (speed - gradient[1:] @ rates) / gradient[0]
         return np.concatenate([[first], outputs]), np.concatenate([[dfirst], rates])

@@ -9,7 +9,7 @@ import numpy as np
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Coordinates, Float
 from neuralgaits.gait.posture import walking_posture
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.stepping_robot import SteppingRobot
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,10 +17,10 @@ class JointResponse:
     """Response of a robot's joints to torques in a nominal posture, computed on demand.
 
     Attributes:
-        robot: the biped.
+        robot: the model.
     """
 
-    robot: PlanarBiped
+    robot: SteppingRobot
 
     @property
     def count(self) -> int:
@@ -57,14 +57,14 @@ class JointResponse:
     def accelerations(self) -> Float[np.ndarray, "m m"]:
         """Accelerations of the actuated joints for unit torques, (D^-1)_aa."""
         robot, posture = self.robot, walking_posture(self.robot)
-        outputs = posture.guard_outputs
-        ahead = posture.z_guard - robot.hip_gradient[1:] @ outputs
-        q = np.concatenate([[ahead / robot.hip_gradient[0]], outputs])
+        outputs, hip_gradient = posture.guard_outputs, robot.position_rows[0]
+        ahead = posture.z_guard - hip_gradient[1:] @ outputs
+        q = np.concatenate([[ahead / hip_gradient[0]], outputs])
         with jax.ensure_compile_time_eval():  # Gains are numbers, whoever asks for them.
             mass = np.asarray(_mass(robot, q))
         return np.linalg.inv(mass)[1:, 1:]
 
 
 @quick_filter_jit
-def _mass(robot: PlanarBiped, q: Coordinates) -> Float[Array, "n n"]:
+def _mass(robot: SteppingRobot, q: Coordinates) -> Float[Array, "n n"]:
     return robot.mass_matrix(q)

@@ -26,8 +26,8 @@ from neuralgaits.gait.zero_coordinates import (
     product,
     solved,
 )
-from neuralgaits.robots.impact import Impact
 from neuralgaits.robots.robot_file import flat_feet_of
+from neuralgaits.robots.state_after_impact import Impact
 
 
 def turned(vector: Planar, slope: Scalar) -> Planar:

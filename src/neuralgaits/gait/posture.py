@@ -15,7 +15,6 @@ from neuralgaits.robots.robot_file import RobotFile
 if TYPE_CHECKING:
     from neuralgaits.gait.policy import NetworkPolicy
     from neuralgaits.gait.stepping_robot import SteppingRobot
-    from neuralgaits.robots import PlanarBiped
 
 REFERENCE_LEG_M = 0.8731
 """Leg length of AMBER-3M, for which lengths and slopes were tuned."""
@@ -100,11 +99,12 @@ def hip_indices(robot: "SteppingRobot") -> tuple[int, ...]:
     return (middle,) if robot.torso is None else (middle - 1, middle)
 
 
-def walking_posture(robot: "PlanarBiped") -> Posture:
+def walking_posture(robot: "SteppingRobot") -> Posture:
     """Bounds and starting point for a walking policy on this robot."""
     m = robot.n - 1
     hips = hip_indices(robot)
-    length = robot.leg_length
+    length = robot.layout.leg_length
+    hip_gradient = robot.position_rows[0]
     lower, upper, side = _knee_bounds(robot)
     # Knee angles of a leg at the guard, all together [rad].
     guard = 0.40 * side
@@ -117,9 +117,7 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
     guard, slopes, bend = guard / knees, slopes * side / knees, bend * side / knees
     z_guard = GUARD * length
     legs = float(np.sum(guard[: hips[0]]))
-    first = (z_guard - robot.hip_gradient[1 : 1 + hips[0]] @ guard[: hips[0]]) / float(
-        robot.hip_gradient[0]
-    )
+    first = (z_guard - hip_gradient[1 : 1 + hips[0]] @ guard[: hips[0]]) / float(hip_gradient[0])
     stance_thigh = float(first) + legs
     lean = _lean(robot, hips, stance_thigh)
     hip_range = (-max(HIP_RANGE), -min(HIP_RANGE)) if robot.torso is None else HIP_RANGE
@@ -156,7 +154,7 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
     )
 
 
-def _lean(robot: "PlanarBiped", hips: tuple[int, ...], stance_thigh: float) -> float:
+def _lean(robot: "SteppingRobot", hips: tuple[int, ...], stance_thigh: float) -> float:
     """Lean of the torso that both hips of a step can have, beyond the usual (rad).
 
     A hip that cannot swing its thigh ahead of the torso (those of Walker2d turn back alone) takes
@@ -170,7 +168,7 @@ def _lean(robot: "PlanarBiped", hips: tuple[int, ...], stance_thigh: float) -> f
     return max(0.0, float(np.max(lacking))) - max(0.0, float(np.max(over)))
 
 
-def _knee_bounds(robot: "PlanarBiped") -> tuple[Actuated, Actuated, Actuated]:
+def _knee_bounds(robot: "SteppingRobot") -> tuple[Actuated, Actuated, Actuated]:
     """Bounds of joints as if all were knees, and the sign of their bend. Returns: [m] each.
 
     A knee bends away from its closer stop: forwards like a human's, or backwards. It keeps
@@ -184,7 +182,7 @@ def _knee_bounds(robot: "PlanarBiped") -> tuple[Actuated, Actuated, Actuated]:
     return *bounds, np.where(forward, 1.0, -1.0)
 
 
-def posture_path(robot: "PlanarBiped", z1: Float[np.ndarray, " N"]) -> Float[np.ndarray, "N m"]:
+def posture_path(robot: "SteppingRobot", z1: Float[np.ndarray, " N"]) -> Float[np.ndarray, "N m"]:
     """Joint angles of a rough step by inverse kinematics, as a function of z1.
 
     Hip at constant height, torso slightly forward, swing foot at twice the hip's position and
@@ -193,10 +191,13 @@ def posture_path(robot: "PlanarBiped", z1: Float[np.ndarray, " N"]) -> Float[np.
     from scipy.optimize import least_squares  # Slow to import, and seldom needed.
 
     posture, turn = walking_posture(robot), robot.link_angles
-    length = robot.leg_length
+    length, hip_gradient = robot.layout.leg_length, robot.position_rows[0]
+    # Lengths whose sum along the links leads to the hip: those of the stance leg, which come first.
+    hip = np.zeros(robot.n)
+    hip[: len(robot.layout.leg_lengths)] = robot.layout.leg_lengths
 
     def angles(position: float, outputs: np.ndarray) -> np.ndarray:
-        first = (position - robot.hip_gradient[1:] @ outputs) / robot.hip_gradient[0]
+        first = (position - hip_gradient[1:] @ outputs) / hip_gradient[0]
         return turn @ np.concatenate([[first], outputs])
 
     def misfit(outputs: np.ndarray, position: float) -> np.ndarray:
@@ -210,7 +211,7 @@ def posture_path(robot: "PlanarBiped", z1: Float[np.ndarray, " N"]) -> Float[np.
         return np.concatenate(
             [
                 [
-                    robot.hip @ np.cos(theta) - hip_height * length,
+                    hip @ np.cos(theta) - hip_height * length,
                     -(robot.foot @ np.sin(theta)) - 2.0 * position,
                     robot.foot @ np.cos(theta) - clearance,
                     0.3 * lean,

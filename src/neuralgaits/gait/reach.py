@@ -13,17 +13,17 @@ from neuralgaits.gait.posture import GUARD, walking_posture
 from neuralgaits.robots.mjcf.leaning import lean_series
 
 if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+    from neuralgaits.gait.stepping_robot import SteppingRobot
 
 FRICTION = 0.45
 """Friction of the floor in the conditions of the walk: feet slip on a steeper slope."""
 
 
-def refuse_unreachable(robot: "PlanarBiped", commands: Commands) -> None:
+def refuse_unreachable(robot: "SteppingRobot", commands: Commands) -> None:
     """Refuse ranges of commands with steps that the robot cannot take at all.
 
     Args:
-        robot: the biped, whose legs and gravity set the limits.
+        robot: the model, whose legs and gravity set the limits.
         commands: commands of the gait; those without a meaning in this package are left alone.
 
     Raises: SpecError with one line about the first impossible range.
@@ -35,7 +35,7 @@ def refuse_unreachable(robot: "PlanarBiped", commands: Commands) -> None:
     if length is not None and not length.low > 0.0:
         raise SpecError(
             f"command step_length: expected lengths above 0 m, found {length.low:g}:"
-            f"{length.high:g}: begin the range at {0.1 * robot.leg_length:.2g} or more"
+            f"{length.high:g}: begin the range at {0.1 * robot.layout.leg_length:.2g} or more"
         )
     _refuse_lean(robot, commands)
     _refuse_steep(commands)
@@ -43,7 +43,7 @@ def refuse_unreachable(robot: "PlanarBiped", commands: Commands) -> None:
     _refuse_far(robot, commands)
 
 
-def refuse_speed(robot: "PlanarBiped", speed: float) -> None:
+def refuse_speed(robot: "SteppingRobot", speed: float) -> None:
     """Refuse a mean speed (m/s) at which the robot cannot walk. Raises: SpecError."""
     if not speed > 0.0:
         raise SpecError(f"expected a speed above 0 m/s, found {speed:g}")
@@ -52,15 +52,15 @@ def refuse_speed(robot: "PlanarBiped", speed: float) -> None:
     # Limit on v^2 / (g L). At 1 the feet of stiff legs leave the floor; at 4 a walk at twice that
     # speed would need a floor that pulls with three times the weight.
     most_froude = 4.0
-    most = math.sqrt(most_froude * float(robot.gravity) * robot.leg_length)
+    most = math.sqrt(most_froude * float(robot.gravity) * robot.layout.leg_length)
     if speed > most:
         raise SpecError(
-            f"expected a speed at which legs of {robot.leg_length:.2f} m keep to the floor, up to "
-            f"{0.5 * most:.2g} m/s, found {speed:g}: ask for less"
+            f"expected a speed at which legs of {robot.layout.leg_length:.2f} m keep to the floor, "
+            f"up to {0.5 * most:.2g} m/s, found {speed:g}: ask for less"
         )
 
 
-def _refuse_lean(robot: "PlanarBiped", commands: Commands) -> None:
+def _refuse_lean(robot: "SteppingRobot", commands: Commands) -> None:
     """Refuse leans of a robot without a torso, and leans that keep the weight off the foot."""
     lean = command_named(commands, LEAN)
     if lean is None:
@@ -94,22 +94,22 @@ def _refuse_steep(commands: Commands) -> None:
         )
 
 
-def _refuse_high(robot: "PlanarBiped", commands: Commands) -> None:
+def _refuse_high(robot: "SteppingRobot", commands: Commands) -> None:
     height = command_named(commands, "step_height")
     if height is None:
         return
     highest = max(abs(height.low), abs(height.high))
-    if not highest < robot.leg_length:
+    if not highest < robot.layout.leg_length:
         raise SpecError(
             f"command step_height: expected heights below the legs' length of "
-            f"{robot.leg_length:.2f} m, found {height.low:g}:{height.high:g}: ask for less"
+            f"{robot.layout.leg_length:.2f} m, found {height.low:g}:{height.high:g}: ask for less"
         )
 
 
-def _refuse_far(robot: "PlanarBiped", commands: Commands) -> None:
+def _refuse_far(robot: "SteppingRobot", commands: Commands) -> None:
     """Refuse footholds further from each other than the bounds of the outputs let feet part."""
     ends: dict[str, tuple[float, ...]] = {
-        "step_length": (2.0 * GUARD * robot.leg_length,),
+        "step_length": (2.0 * GUARD * robot.layout.leg_length,),
         "step_height": (0.0,),
         "slope": (0.0,),
     }
@@ -127,7 +127,7 @@ def _refuse_far(robot: "PlanarBiped", commands: Commands) -> None:
         )
 
 
-def widest_step(robot: "PlanarBiped") -> float:
+def widest_step(robot: "SteppingRobot") -> float:
     """Return the largest distance between the feet with all outputs within their bounds [m].
 
     It is the largest on a grid, and a hundredth more, which is ten times what the grid misses.

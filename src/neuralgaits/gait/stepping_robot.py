@@ -8,8 +8,8 @@ from typing import Any, Protocol, runtime_checkable
 
 from neuralgaits._types import Array, Coordinates, Float, Planar, Positions, Scalar
 from neuralgaits.gait.zero_coordinates import Mechanism
-from neuralgaits.robots.impact import Impact
 from neuralgaits.robots.robot_file import RobotFile
+from neuralgaits.robots.state_after_impact import Impact
 
 
 @runtime_checkable

@@ -74,8 +74,8 @@ class ZeroCoordinates:
     def of(self, q: Coordinates, dq: Coordinates) -> ZeroState:
         """Return the zero dynamics state z = (C q, s) of a full state (m, kg m^2/s). [2k].
 
-        The units are those of a walker, whose rows C are `PlanarBiped.hip_gradient` (m/rad) and
-        whose s is the angular momentum about the stance foot, forward positive.
+        The units are those of a walker, whose row C is the gradient of its linearised hip position
+        (m/rad) and whose s is the angular momentum about the stance foot, forward positive.
 
         Args:
             q: coordinates (rad). [n]

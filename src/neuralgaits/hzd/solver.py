@@ -9,15 +9,14 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.barriers import specs
-from neuralgaits.barriers.walking import pendulum_height
 from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.gait import BezierPolicy, ZeroDynamics
 from neuralgaits.gait.posture import posture_path, walking_posture
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.hzd.collocation import nodes
 from neuralgaits.hzd.gait_file import GivenGait
 from neuralgaits.hzd.nonlinear_program import LEAST_ZETA, NonlinearProgram, problem
 from neuralgaits.hzd.transcription import transcribe
-from neuralgaits.robots import PlanarBiped
 
 DEGREE = 5
 """Degree of the outputs' polynomials."""
@@ -39,7 +38,7 @@ class Optimiser:
     Raises: InputError without CasADi, or for a robot that the spec does not support.
     """
 
-    def __init__(self, robot: PlanarBiped, degree: int = DEGREE):
+    def __init__(self, robot: SteppingRobot, degree: int = DEGREE):
         """Build the program and its derivatives."""
         if find_spec("casadi") is None:
             raise InputError(
@@ -114,8 +113,10 @@ class Optimiser:
         )
         rows = np.linalg.lstsq(basis, path, rcond=None)[0].T
         z1 = guard * (2.0 * self._mesh.phases - 1.0)
+        # The unit of zeta is (m h)^2 / 2 of a pendulum of height h.
+        height = np.sqrt(2.0 * self._unit) / float(robot.mass)
+        fall = float(robot.gravity) / height
         # Its mean square over the step is that of the speed.
-        fall = float(robot.gravity) / pendulum_height(robot)
         zeta = speed**2 + fall * (z1**2 - guard**2 / 3.0)
         zeta = np.maximum(zeta, 5.0 * LEAST_ZETA)
         return np.concatenate([rows.ravel(), [-guard, guard], zeta])

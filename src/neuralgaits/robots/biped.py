@@ -10,6 +10,7 @@ from neuralgaits import _notebook
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Int, Planar, Scalar
 from neuralgaits.robots import checks, dynamics, impact
 from neuralgaits.robots.constants import BipedConstants
+from neuralgaits.robots.state_after_impact import Impact
 
 
 class PlanarBiped(BipedConstants):
@@ -61,7 +62,7 @@ class PlanarBiped(BipedConstants):
         """
         return dynamics.bias(self, *self._checked_vectors(q=q, dq=dq))
 
-    def impact(self, q: Coordinates, dq: Coordinates) -> impact.Impact:
+    def impact(self, q: Coordinates, dq: Coordinates) -> Impact:
         """Plastic impact of the swing foot, then relabelling of the legs.
 
         Returns: `Impact(q, dq, impulse)`: [n], [n] after relabelling (rad, rad/s) and

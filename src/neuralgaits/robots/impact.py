@@ -10,8 +10,6 @@ A flat foot lands level, and neither slips nor turns afterwards. What it turned 
 difference between the rates of links and of joints there; only the ankle's rotor knows of it.
 """
 
-from typing import NamedTuple
-
 import jax.numpy as jnp
 
 from neuralgaits._types import Coordinates, Planar, Scalar
@@ -26,17 +24,7 @@ from neuralgaits.robots.dynamics import (
 )
 from neuralgaits.robots.linear import solve
 from neuralgaits.robots.robot_file import flat_feet_of
-
-
-class Impact(NamedTuple):
-    """Result of an impact, in the coordinates of the new stance leg."""
-
-    q: Coordinates
-    """Coordinates after relabelling [rad]. [n]"""
-    dq: Coordinates
-    """Rates after relabelling [rad/s]. [n]"""
-    impulse: Planar
-    """Impulse of the ground on the new stance foot, (tangential, normal) [N s]. [2]"""
+from neuralgaits.robots.state_after_impact import Impact
 
 
 def momentum_after(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:

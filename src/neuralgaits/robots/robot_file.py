@@ -23,6 +23,11 @@ class RobotFile(Protocol):
         ...
 
     @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the n links."""
+        ...
+
+    @property
     def joint_names(self) -> tuple[str, ...]:
         """Names of the n coordinates."""
         ...

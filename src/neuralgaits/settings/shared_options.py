@@ -50,9 +50,8 @@ ONE_PATH = PythonType("str | Path", (str, Path))
 SOME_PATHS = PythonType("Sequence[str | Path]", (list, tuple), (str, Path))
 Flag = Annotated[bool, arg()]
 Run = Annotated[Positional[AnyRun], arg(metavar="RUN"), PythonType("Run | str | Path")]
-Robot = Annotated[
-    Positional[AnyRobot], arg(metavar="ROBOT"), PythonType("PlanarBiped | str | Path")
-]
+A_ROBOT = PythonType("PlanarBiped | str | Path")
+Robot = Annotated[Positional[AnyRobot], arg(metavar="ROBOT"), A_ROBOT]
 OwnRobot = Annotated[
     Positional[AnyRobot | None],
     arg(metavar="[ROBOT]"),

@@ -11,7 +11,6 @@ from typing import Annotated
 
 from tyro.conf import Fixed, Positional
 
-from neuralgaits._called_with import PythonType
 from neuralgaits._checks import (
     check_proof_budget,
     check_seed,
@@ -25,6 +24,7 @@ from neuralgaits.settings import forms
 from neuralgaits.settings.options import Settings, arg, option
 from neuralgaits.settings.shared_options import (
     A_PATH,
+    A_ROBOT,
     AnyName,
     AnyRobot,
     AnyWatch,
@@ -196,7 +196,7 @@ class ImportGaitSettings(Settings):
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json")]
     """Joints, control points [rad] and phase, in the format of docs/optimise.md."""
-    robot: Annotated[AnyRobot, arg(metavar="ROBOT"), PythonType("PlanarBiped | str | Path")]
+    robot: Annotated[AnyRobot, arg(metavar="ROBOT"), A_ROBOT]
     """Robot that walks the gait: name of a built-in robot, or path of an MJCF file."""
     _: KW_ONLY
     name: Annotated[str | None, arg(metavar="NAME")] = None

@@ -1,7 +1,7 @@
 """Refuse settings of a walk that exclude each other, each pair with one line.
 
 `simulate` calls this before anything is compiled. Where one file reads both settings of a pair, it
-refuses them: `setup/command_schedule.py`, `setup/drives.py`, `setup/drawn_robots.py`.
+refuses them: `setup/command_schedule.py`, `setup/drives.py`, `setup/floor_of_box.py`.
 """
 
 import re
@@ -16,12 +16,12 @@ from neuralgaits.control.law_by_name import at_bandwidth, exported_laws, law_nam
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import LEAN, SLOPE, Commands, place_of
+from neuralgaits.robots.drawn_robots import DrawnRobots
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
 from neuralgaits.simulation.setup.command_schedule import parsed
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 
 REMOTE = "c"

@@ -15,6 +15,7 @@ import safetensors.numpy
 from neuralgaits.analysis.run import open_run
 from neuralgaits.engine import Files, Job, Settings, WorkerPool
 from neuralgaits.errors import InputError
+from neuralgaits.robots.drawn_robots import DrawnRobots
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import plain
 from neuralgaits.runs.arrays import packed
@@ -22,7 +23,6 @@ from neuralgaits.runs.names import CONFIG, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.simulation.native_walk import Choice
 from neuralgaits.simulation.setup.command_schedule import RANDOM, schedule_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.trained_walks import (
     TrainedWalks,
     at_first,

@@ -17,11 +17,11 @@ from neuralgaits.control.controlled_gait import law_for
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import at_bandwidth, law_named
 from neuralgaits.errors import InputError
+from neuralgaits.robots.drawn_robots import DrawnRobots
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.simulation.native_walk import Choice, WalkEngine, engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
-from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.simulators import MUJOCO, Simulator
 from neuralgaits.simulation.ticks.falls import Ending

@@ -6,27 +6,29 @@ from collections.abc import Sequence
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._argument_types import type_checked
 from neuralgaits.analysis.walking_speeds import size_doubt
 from neuralgaits.control.measurement import of_all_motors
+from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.records.inspected import FlatFeetFacts, LinkFacts, MotorFacts, RobotFacts
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import bodies_from_text, links_from_text
 from neuralgaits.robots.mjcf.world_geoms import obstacles_left_out
+from neuralgaits.robots.robot_file import RobotFile
+from neuralgaits.robots.robot_source import planar_biped
 
 _HELD_DEG = 15.0
 """Angle at which a torso, or a leg, is held [deg]: as far as a torso leans in the default spec."""
 
 
-@type_checked
-def inspect(robot: PlanarBiped) -> RobotFacts:
+def inspect(robot: SteppingRobot) -> RobotFacts:
     """Describe a loaded robot.
 
     Leg lengths and hip height are measured to the centre of the foot sphere, or to the ankle of a
     flat foot.
 
     Returns: a mapping of what `inspect --json` prints; SI units are in the names.
+    Raises: InputError for anything but a robot that `load_robot` returned.
     """
+    robot = planar_biped(robot)
     layout = robot.layout
     return RobotFacts(
         robot=robot.name,
@@ -38,7 +40,7 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
         torso=None if robot.torso is None else robot.link_names[robot.torso],
         stance_foot=layout.feet[0],
         swing_foot=layout.feet[1],
-        hip_height_m=robot.leg_length,
+        hip_height_m=layout.leg_length,
         flat_feet=_flat_feet(robot),
         foot_radius_m=float(robot.foot_radius),
         friction=float(robot.friction),
@@ -53,13 +55,13 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
     )
 
 
-def _about_lengths(robot: PlanarBiped) -> tuple[str, ...]:
+def _about_lengths(robot: RobotFile) -> tuple[str, ...]:
     """Return a line if lengths look as if they were not in metres; () otherwise."""
     doubt = size_doubt(robot)
     return () if doubt is None else (doubt,)
 
 
-def _about_rotors(robot: PlanarBiped) -> tuple[str, ...]:
+def _about_rotors(robot: SteppingRobot) -> tuple[str, ...]:
     """Return a line if no joint has a rotor's inertia; () otherwise."""
     if np.any(np.asarray(robot.armature) > 0.0):
         return ()
@@ -71,7 +73,7 @@ def _about_rotors(robot: PlanarBiped) -> tuple[str, ...]:
     )
 
 
-def _about_hip_motors(robot: PlanarBiped) -> tuple[str, ...]:
+def _about_hip_motors(robot: SteppingRobot) -> tuple[str, ...]:
     """Return a line if the hips' motors hold neither torso nor leg a little off upright; ()."""
     hips = [motor for motor in _actuators(robot) if motor.joint.endswith("hip")]
     links = _links(robot)
@@ -112,7 +114,7 @@ def _first_moment(links: Sequence[LinkFacts]) -> float:
     return moment
 
 
-def _about_heels(robot: PlanarBiped) -> tuple[str, ...]:
+def _about_heels(robot: RobotFile) -> tuple[str, ...]:
     """Return a line if soles are longer behind the ankle, as of a robot that faces -x."""
     if robot.feet is None or robot.feet.heel <= robot.feet.toe:
         return ()
@@ -123,7 +125,7 @@ def _about_heels(robot: PlanarBiped) -> tuple[str, ...]:
     )
 
 
-def _flat_feet(robot: PlanarBiped) -> FlatFeetFacts | None:
+def _flat_feet(robot: RobotFile) -> FlatFeetFacts | None:
     if robot.feet is None:
         return None
     feet = robot.feet
@@ -135,7 +137,7 @@ def _flat_feet(robot: PlanarBiped) -> FlatFeetFacts | None:
     )
 
 
-def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
+def _links(robot: RobotFile) -> tuple[LinkFacts, ...]:
     """Return the links of leg 0 upwards, the torso, then those of leg 1 downwards.
 
     A flat foot that stands is no link of the model, so only that of leg 1 is among them.
@@ -145,10 +147,12 @@ def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
     first, second, trunk = bodies_from_text(xml, robot.name)
     bodies = (*first, *(() if trunk is None else (trunk,)), *reversed(second))
     up = [
-        (float(mass), complex(com), float(length))
-        for mass, com, length in zip(leg.mass, leg.com, leg.length, strict=True)
+        (float(mass), float(inertia), complex(com), float(length))
+        for mass, inertia, com, length in zip(
+            leg.mass, leg.inertia, leg.com, leg.length, strict=True
+        )
     ]
-    middle = [] if torso is None else [(torso.mass, complex(torso.com), None)]
+    middle = [] if torso is None else [(torso.mass, torso.inertia, complex(torso.com), None)]
     moving = slice(leg.fixed_links, None)
     return tuple(
         LinkFacts(
@@ -160,9 +164,8 @@ def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
             # An upright link points along +z; what is counter-clockwise of it is behind.
             centre_of_mass_m=(com.real, -com.imag + 0.0),
         )
-        for name, inertia, body, (mass, com, length) in zip(
+        for name, body, (mass, inertia, com, length) in zip(
             robot.link_names,
-            robot.inertia,
             bodies[moving],
             (*up, *middle, *reversed(up))[moving],
             strict=True,
@@ -170,7 +173,7 @@ def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
     )
 
 
-def _actuators(robot: PlanarBiped) -> tuple[MotorFacts, ...]:
+def _actuators(robot: SteppingRobot) -> tuple[MotorFacts, ...]:
     """Return the joints in the order of q, with leg 0 in stance."""
     layout, first = robot.layout, 1 if robot.feet is None else 0
     torques, lower, upper = (

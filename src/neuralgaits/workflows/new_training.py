@@ -1,7 +1,7 @@
 """A training before it has a folder: its settings are checked, and its untrained gait is made."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,7 +9,8 @@ import jax
 
 from neuralgaits._inputs import same_folder
 from neuralgaits._printable import shown
-from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.run import Run, RunParts
+from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.barriers import GaitSpec, spec_file_errors, specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.barriers.spec import Init
@@ -18,11 +19,11 @@ from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait.commands import LEAN, Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.training_config import Proving, Range, TrainingConfig
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.settings import GaitSettings
+from neuralgaits.workflows.planarise import robot_from
 
 
 @dataclass(frozen=True)
@@ -30,23 +31,20 @@ class NewTraining:
     """Inputs of a training.
 
     Attributes:
-        robot: the model.
-        spec: the conditions.
-        gait: the untrained gait.
+        parts: the model, the conditions and the untrained gait.
         config: settings, which become the run's config.
         copies: contents of the input files that the run must be able to read again, by name.
     """
 
-    robot: PlanarBiped
-    spec: GaitSpec
-    gait: AnyGait
+    parts: RunParts
     config: TrainingConfig
     copies: Mapping[str, str]
 
     def of_seed(self, seed: int) -> "NewTraining":
         """Return this training with other weights and samples."""
-        gait = _new_gait(self.spec, seed, self.config.init, self.config.hidden)
-        return replace(self, gait=gait, config=replace(self.config, seed=seed))
+        gait = _new_gait(self.parts.spec, seed, self.config.init, self.config.hidden)
+        parts = self.parts._replace(gait=gait)
+        return replace(self, parts=parts, config=replace(self.config, seed=seed))
 
     def begun(self, root: Path, out: Path | None) -> Run:
         """Return the run of this training, with a folder of its own.
@@ -55,32 +53,33 @@ class NewTraining:
             root: folder of the runs.
             out: path of the run folder; a new one below `root` if None.
         """
-        name, seed = self.robot.name, self.config.seed
+        name, seed = self.config.robot, self.config.seed
         folder = RunFolder.create(
             self.config, self.copies, name=name, seed=seed, root=root, out=out
         )
-        return Run(folder, self.robot, self.spec, self.gait)
+        return self.parts.in_folder(folder)
 
 
 def new_training(
-    robot: PlanarBiped,
     settings: GaitSettings,
     seed: int,
+    warn: Callable[[str], None] | None = None,
     *,
     certify: bool = False,
     budget: float | None = None,
 ) -> NewTraining:
-    """Check the settings against each other, and make the untrained gait.
+    """Load the robot, check the settings against each other, and make the untrained gait.
 
     Args:
-        robot: robot that the settings name.
         settings: settings of the gait.
         seed: seed of weights and samples.
+        warn: called with a line about what is unusual in the robot, or unlikely of the gait.
         certify: prove the conditions after training.
         budget: seconds for that; None for no limit.
 
-    Raises: InputError on invalid combinations of settings.
+    Raises: RobotError as `robot_from`, InputError on invalid combinations of settings.
     """
+    robot = robot_from(settings.robot, settings.feet, settings.weld, warn)
     spec = "walking" if settings.spec is None else settings.spec
     if not isinstance(spec, str | GaitSpec):
         raise InputError(f"spec: expected a name, FILE.py:NAME or a GaitSpec, found {shown(spec)}")
@@ -120,7 +119,10 @@ def new_training(
         parameters=box,
     )
     copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
-    return NewTraining(robot, loaded, gait, config, copies)
+    doubt = gait_doubt(robot, settings.speed, settings.step_length)
+    if doubt is not None and warn is not None:
+        warn(doubt)
+    return NewTraining(RunParts(robot, loaded, gait), config, copies)
 
 
 def _targets(settings: GaitSettings) -> tuple[float | None, Commands, dict[str, float]]:

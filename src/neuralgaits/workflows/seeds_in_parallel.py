@@ -49,9 +49,9 @@ class SeedsInParallel:
         self.root = root
         self.size = min(cores(), count)
         self.trainer = Trainer.build(
-            model_of(first.robot, first.spec.parameters),
-            first.spec,
-            first.gait,
+            model_of(first.parts.robot, first.parts.spec.parameters),
+            first.parts.spec,
+            first.parts.gait,
             steps=first.config.steps,
             seed=first.config.seed,
         )
@@ -84,7 +84,7 @@ class SeedsInParallel:
         if begun is not None:
             begun()
         # Threads that meet in a call compile it twice.
-        compile_steps(self.trainer, self.trainer.init(self.first.gait))
+        compile_steps(self.trainer, self.trainer.init(self.first.parts.gait))
         compiled = time.perf_counter()
         self.compile_s = compiled - start_time
         left = iter(numbers)

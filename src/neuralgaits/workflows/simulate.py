@@ -35,6 +35,7 @@ from neuralgaits.simulation.native_walk import WalkEngine
 from neuralgaits.simulation.setup.command_schedule import on_slope, schedule_of
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.setup.drives import with_gains
+from neuralgaits.simulation.setup.floor_of_box import on_floor_of
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import periodic_orbit
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
@@ -128,7 +129,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     disturbance = with_gains(changes, settings.gains, settings.drive_rate)
     robots = drawn_robots(run, settings.parameters, seed, plant, terrain, controller)
     if robots is not None:
-        disturbance = robots.on_its_floor(disturbance)
+        disturbance = on_floor_of(robots.box, disturbance)
     schedule = schedule_of(run.trained.commands, command, commands, seed)
     refuse_without_command(settings.adapted_commands, run.trained.commands)
     if terrain is None:

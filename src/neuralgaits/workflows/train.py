@@ -10,7 +10,6 @@ import numpy as np
 from neuralgaits._checks import SEEDS
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
-from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import Interrupted, NonFiniteError, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
@@ -58,13 +57,9 @@ def train(settings: TrainSettings) -> Run:
         run = _resumed(settings, settings.resume)
     else:
         warn = None if watch is None else watch.doubted
-        robot = robot_from(settings.robot, settings.feet, settings.weld, warn)
         place = None if settings.out is None else Path(settings.out)
         certify, budget = settings.certify, settings.budget
-        new = new_training(robot, settings, settings.seed or 0, certify=certify, budget=budget)
-        warning = gait_doubt(robot, settings.speed, settings.step_length)
-        if warning is not None and warn is not None:
-            warn(warning)
+        new = new_training(settings, settings.seed or 0, warn, certify=certify, budget=budget)
         run = new.begun(root, place)
     return train_to_the_end(
         run, progress=settings.progress, watch=watch, root=root, start_time=start_time

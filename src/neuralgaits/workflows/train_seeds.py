@@ -7,7 +7,6 @@ from pathlib import Path
 import jax
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.errors import Interrupted
 from neuralgaits.records.trained import SeedsSummary, SeedSummary
 from neuralgaits.runs import to_json, write_text
@@ -17,7 +16,6 @@ from neuralgaits.runs.latest import SEEDS, name_latest
 from neuralgaits.runs.shell_words import LATEST, command, resuming
 from neuralgaits.settings import TrainSeedsSettings, called_with
 from neuralgaits.workflows.new_training import new_training
-from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.seeds_in_parallel import SeedsInParallel
 
 
@@ -48,18 +46,16 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     Raises: InputError on bad settings; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    robot = robot_from(settings.robot, settings.feet, settings.weld, settings.doubted)
     numbers, root = range(*settings.seeds), settings.root
-    first = new_training(robot, settings, numbers[0])
+    first = new_training(settings, numbers[0], settings.doubted)
     place = None if settings.out is None else Path(settings.out)
     refuse_unwritable(root / LATEST, own=True)
     file_name = "seeds.json"
-    path = claim(place, root / SEEDS, robot.name, numbers[0], what="the runs", config=file_name)
+    path = claim(
+        place, root / SEEDS, first.config.robot, numbers[0], what="the runs", config=file_name
+    )
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)
-    doubt = gait_doubt(robot, settings.speed, settings.step_length)
-    if doubt is not None and settings.doubted is not None:
-        settings.doubted(doubt)
     many = SeedsInParallel(first, path, root, len(numbers))
     try:
         many.train(numbers, settings.progress, settings.begun)
@@ -82,7 +78,7 @@ def _summary(many: SeedsInParallel, numbers: range, wall_s: float) -> SeedsSumma
         folder=str(many.path),
         robot=config.robot,
         spec=config.spec,
-        conditions=len(many.first.spec.conditions),
+        conditions=len(many.first.parts.spec.conditions),
         steps=config.steps,
         seeds=tuple(_row(many, number) for number in numbers),
         batch=many.size,

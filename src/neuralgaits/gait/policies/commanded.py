@@ -7,7 +7,6 @@ dynamics manifold is invariant through the impact for every pair of commands.
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import equinox as eqx
 import jax
@@ -38,10 +37,6 @@ from neuralgaits.gait.posture import Posture, frame_of, walking_posture
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.gait.stepping_robot import SteppingRobot
 
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
-
-
 _NO_STEP = "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
 
 
@@ -70,7 +65,7 @@ class CommandedPolicy(NetworkPolicy):
     @classmethod
     def init(
         cls,
-        robot: "PlanarBiped",
+        robot: SteppingRobot,
         commands: Commands,
         *,
         key: PRNGKeyArray,

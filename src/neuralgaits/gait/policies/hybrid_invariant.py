@@ -9,7 +9,7 @@ in Westervelt, Grizzle and Koditschek (2003).
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -37,9 +37,6 @@ from neuralgaits.gait.policies.step_policy import StepPolicy
 from neuralgaits.gait.posture import Posture, frame_of, walking_posture
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.gait.stepping_robot import SteppingRobot
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
 
 
 class HybridInvariantPolicy(StepPolicy):
@@ -85,7 +82,7 @@ class HybridInvariantPolicy(StepPolicy):
     @classmethod
     def init(
         cls,
-        robot: "PlanarBiped",
+        robot: SteppingRobot,
         *,
         key: PRNGKeyArray,
         hidden: tuple[int, ...] = (32, 32),

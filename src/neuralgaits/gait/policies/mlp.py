@@ -1,7 +1,5 @@
 """The paper's policy: a network from z straight to bounded joint angles."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
@@ -9,9 +7,7 @@ from neuralgaits._types import Actuated, Array, Float, ZeroState
 from neuralgaits.gait.network import Network
 from neuralgaits.gait.policy import FreePolicy, NetworkPolicy
 from neuralgaits.gait.posture import walking_posture
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.stepping_robot import SteppingRobot
 
 
 class MLPPolicy(NetworkPolicy, FreePolicy):
@@ -26,7 +22,7 @@ class MLPPolicy(NetworkPolicy, FreePolicy):
     @classmethod
     def init(
         cls,
-        robot: "PlanarBiped",
+        robot: SteppingRobot,
         *,
         key: PRNGKeyArray,
         hidden: tuple[int, ...] = (64, 64),

@@ -17,7 +17,7 @@ from neuralgaits.gait.posture import hip_indices
 from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
 from neuralgaits.gait.stepping_robot import SteppingRobot
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
-from neuralgaits.robots.impact import Impact
+from neuralgaits.robots.state_after_impact import Impact
 
 # How far inside the output bounds the end points are kept, as a share of the bounds' width:
 # on the bound the logit is infinite and a warm start would turn to NaN.

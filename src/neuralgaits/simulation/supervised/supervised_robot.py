@@ -16,7 +16,7 @@ from neuralgaits.control.safeguard import Fault
 from neuralgaits.errors import InputError
 from neuralgaits.export.design import Design
 from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting
-from neuralgaits.gait.standing import standing_postures
+from neuralgaits.robots.standing import standing_postures
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.supervised.supervisor_library import (

@@ -1,20 +1,18 @@
-"""Draw robots from a box around the one of a file, one for each walk, and their floor."""
+"""Draw robots from a box around the one of a file, one for each walk."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.errors import InputError
-from neuralgaits.records.simulated import FLOOR_DISTURBANCES
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.mjcf.parameters import RobotFamily, axes_of, in_its_file
 from neuralgaits.robots.parameter_box import checked_box
-from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 _STREAM = 0x0B0C5
-"""First number of this file's seeds, by which they differ from those of `streams`."""
+"""First number of this file's seeds, by which they differ from those of other streams,
+see `simulation.setup.streams`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,18 +54,3 @@ class DrawnRobots:
             return [self.robot] * count
         family = RobotFamily.of(self.robot, tuple(checked_box(self.box)))
         return [in_its_file(family, errors) for errors in self.errors(first, count)]
-
-    def on_its_floor(self, disturbance: PlantChanges) -> PlantChanges:
-        """Return a disturbance with the floor of the box: least friction, footholds up and down.
-
-        Raises: InputError if both set the floor.
-        """
-        named = FLOOR_DISTURBANCES.items()
-        extents = {name: self.box[kind] for kind, name in named if kind in self.box}
-        default = PlantChanges()
-        for name in extents:
-            if getattr(disturbance, name) != getattr(default, name):
-                raise InputError(
-                    f"expected {name} of --disturb or of --parameters, found both: leave one out"
-                )
-        return replace(disturbance, **extents)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.biped import PlanarBiped
 
 
 class Stand(NamedTuple):
