@@ -98,7 +98,7 @@ def test_a_part_of_a_step_counts_until_a_whole_one_is_seen():
     assert learn(BELIEF, estimate, 0.005)[:2] == (pytest.approx(0.005), 1)
 
 
-GROUND = CommandBelief(-0.07, 0.07, 0.017, 0.02, repeats=3, alike=0.008, pause=5)
+GROUND = CommandBelief(-0.07, 0.07, 0.017, 0.015, repeats=3, alike=0.008, pause=5)
 
 
 def after(*shown, value=0.0):
@@ -129,8 +129,8 @@ def test_three_steps_in_a_row_show_another_ground(sign):
         (0.05, 0.05, 0.0, 0.05, 0.05),  # two that are wrong, twice
         (0.05, -0.05, 0.05, -0.05),  # a foot that stands high, and the next one low
         (0.05, 0.053, 0.0605),  # not alike: 9 mrad from the mean of the first two
-        (0.019, 0.019, 0.019, 0.019),  # not far off
-        (0.03, 0.03, 0.03, 0.03),  # the third is not far from the mean with the first two
+        (0.014, 0.014, 0.014, 0.014),  # not far off
+        (0.029, 0.029, 0.029, 0.029),  # a floor of 1 cm: the third is not far from the mean with the first two
     ],
 )
 def test_no_other_steps_show_another_ground(shown):

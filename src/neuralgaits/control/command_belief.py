@@ -71,7 +71,7 @@ def belief_for(commands: Commands, name: str) -> CommandBelief | None:
     # centimetre a step shows a slope of 30 mrad; another slope shows in every step.
     rules = {
         LEAN: {"jump": 5e-3},
-        SLOPE: {"jump": 20e-3, "repeats": 3, "alike": 8e-3, "pause": 5},
+        SLOPE: {"jump": 15e-3, "repeats": 3, "alike": 8e-3, "pause": 5},
     }
     return CommandBelief(command.low, command.high, command.change_limit, **rules[name])
 

@@ -67,7 +67,7 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 #define LEAN_SETTLED NG(5e-3)  /* a belief that lacks less has settled [m] */
 #define SLOPE_SETTLED NG(8e-3) /* likewise [rad] */
 #define LEAN_JUMP NG(5e-3)     /* a step that shows this much else is of another robot [m] */
-#define SLOPE_JUMP NG(20e-3)   /* steps that show this much else are of another ground [rad], */
+#define SLOPE_JUMP NG(15e-3)   /* steps that show this much else are of another ground [rad], */
 #define SLOPE_REPEATS 3        /* if these many in a row do */
 #define SLOPE_ALIKE NG(8e-3)   /* and each is no further from the mean of those before it [rad] */
 #define SLOPE_PAUSE 5          /* steps after that until errors are summed: speeds have followed */
