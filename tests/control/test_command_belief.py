@@ -130,7 +130,7 @@ def test_three_steps_in_a_row_show_another_ground(sign):
         (0.05, -0.05, 0.05, -0.05),  # a foot that stands high, and the next one low
         (0.05, 0.053, 0.0605),  # not alike: 9 mrad from the mean of the first two
         (0.014, 0.014, 0.014, 0.014),  # not far off
-        (0.029, 0.029, 0.029, 0.029),  # a floor of 1 cm: the third is not far from the mean with the first two
+        (0.029, 0.029, 0.029, 0.029),  # the third is not far from the mean with the first two
     ],
 )
 def test_no_other_steps_show_another_ground(shown):
