@@ -139,14 +139,14 @@ int main(void)
 def test_c_learns_slopes_that_change_as_python_does(tmp_path):
     """Slopes that stay for some steps, single ones that are wrong, and some that cannot be."""
     design = commanded_design("amber3m", {"pd": LAWS["pd"]}, (SPEED, LEAN, SLOPE))
-    rng = np.random.default_rng(1)
-    slopes = np.repeat(rng.uniform(-0.06, 0.05, ROWS // 10), 10)
-    shown = slopes + rng.normal(0.0, 2e-3, ROWS)
-    wrong = rng.uniform(size=ROWS) < 0.1
-    shown[wrong] = rng.uniform(-0.08, 0.08, ROWS)[wrong]
-    shown[rng.uniform(size=ROWS) < 0.05] = np.nan
+    rng, rows = np.random.default_rng(1), 20 * ROWS
+    slopes = np.repeat(rng.uniform(-0.06, 0.05, rows // 10), 10)
+    shown = slopes + rng.normal(0.0, 2e-3, rows)
+    wrong = rng.uniform(size=rows) < 0.1
+    shown[wrong] = rng.uniform(-0.08, 0.08, rows)[wrong]
+    shown[rng.uniform(size=rows) < 0.05] = np.nan
     # Beliefs of the steps that ended.
-    before = slopes + rng.normal(0.0, 6e-3, ROWS)
+    before = slopes + rng.normal(0.0, 6e-3, rows)
     belief = command_belief.belief_for((SLOPE,), "slope")
     assert belief is not None
     estimate, expected = CommandEstimate(0.0), []
@@ -160,9 +160,9 @@ def test_c_learns_slopes_that_change_as_python_does(tmp_path):
     folder = folder_with(tmp_path, files)
     flags = ("-O1", *build.PRECISIONS["double"])
     program = build.build("gcc", folder, "main", (*build.CORE, "main.c"), flags)
-    rows = np.column_stack([shown, before])
-    done = subprocess.run([program], input=rows.tobytes(), capture_output=True, check=True)
-    found = np.frombuffer(done.stdout).reshape(ROWS, -1)
+    sent = np.column_stack([shown, before])
+    done = subprocess.run([program], input=sent.tobytes(), capture_output=True, check=True)
+    found = np.frombuffer(done.stdout).reshape(rows, -1)
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
     # Means begin anew, and errors wait for the pause alone, too.
     assert np.sum(np.diff(expected[:, 1]) < 0) > 5
