@@ -87,15 +87,70 @@ def test_the_first_steps_count_alike_and_later_ones_more():
         assert learn(BELIEF, estimate, nothing) == estimate
     # So far off it is another robot: the mean begins anew.
     for far in (0.0799, -0.0699, estimate.value + 0.0051):
-        assert learn(BELIEF, estimate, far) == (pytest.approx(far), 1)
+        assert learn(BELIEF, estimate, far)[:2] == (pytest.approx(far), 1)
     near = estimate.value - 0.0049
     assert learn(BELIEF, estimate, near).value == pytest.approx(estimate.value - 0.3 * 0.0049)
 
 
 def test_a_part_of_a_step_counts_until_a_whole_one_is_seen():
     estimate = learn(BELIEF, CommandEstimate(0.0), 0.02, whole=False)
-    assert estimate == CommandEstimate(0.02, 0)
-    assert learn(BELIEF, estimate, 0.005) == (pytest.approx(0.005), 1)
+    assert estimate[:2] == (0.02, 0)
+    assert learn(BELIEF, estimate, 0.005)[:2] == (pytest.approx(0.005), 1)
+
+
+GROUND = CommandBelief(-0.07, 0.07, 0.017, 0.015, repeats=3, alike=0.008, pause=5)
+
+
+def after(*shown, value=0.0):
+    """Estimate of a slope after nine steps that showed `value`, and others."""
+    estimate = CommandEstimate(value, 9)
+    for one in shown:
+        estimate = learn(GROUND, estimate, one)
+    return estimate
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_three_steps_in_a_row_show_another_ground(sign):
+    """The new mean is of these three, and the next step counts as the fourth."""
+    first, second, third, fourth = (sign * one for one in (0.05, 0.053, 0.058, 0.047))
+    assert after(first, second)[:2] == (pytest.approx(0.21 * first + 0.3 * second), 11)
+    mean = (first + second + third) / 3.0
+    assert after(first, second, third)[:2] == (pytest.approx(mean), 3)
+    last = mean + 0.3 * (fourth - mean)
+    assert after(first, second, third, fourth)[:2] == (pytest.approx(last), 4)
+    # What shows nothing, or cannot be, does not come between them; what shows the old ground does.
+    assert after(first, math.nan, second, 0.9, third) == after(first, second, third)
+    assert after(first, second, 0.0, third).steps == 13
+
+
+@pytest.mark.parametrize(
+    "shown",
+    [
+        (0.05, 0.05, 0.0, 0.05, 0.05),  # two that are wrong, twice
+        (0.05, -0.05, 0.05, -0.05),  # a foot that stands high, and the next one low
+        (0.05, 0.053, 0.0605),  # not alike: 9 mrad from the mean of the first two
+        (0.014, 0.014, 0.014, 0.014),  # not far off
+        (0.029, 0.029, 0.029, 0.029),  # the third is not far from the mean with the first two
+    ],
+)
+def test_no_other_steps_show_another_ground(shown):
+    value = 0.0
+    for one in shown:
+        value += 0.3 * (one - value)
+    estimate = after(*shown)
+    assert estimate[:2] == (pytest.approx(value), 9 + len(shown)) and estimate.pause == 0
+
+
+def test_a_belief_goes_no_faster_to_another_ground():
+    assert next_belief(GROUND, after(0.05, 0.05, 0.05), 0.0) == pytest.approx(GROUND.change)
+
+
+def test_speeds_are_summed_some_steps_after_the_ground_has_changed():
+    pauses = [after(*[0.05] * steps).pause for steps in range(9)]
+    assert pauses == [0, 0, 0, 5, 4, 3, 2, 1, 0]
+    # A first mean has no such pause, nor a lean: the commanded speed makes up for what it lacks.
+    assert learn(GROUND, CommandEstimate(0.0), 0.05).pause == 0
+    assert learn(BELIEF, CommandEstimate(0.0, 9), 0.03).pause == 0
 
 
 def test_a_belief_arrives_as_fast_as_the_controller_lets_it():
@@ -131,6 +186,7 @@ def test_a_belief_stays_in_the_range_of_its_command(shown, end):
 
 def test_limits_are_those_of_the_command():
     assert belief_for((LEAN,), "lean") == BELIEF
+    assert belief_for((Command("slope", -0.07, 0.07, 0.017),), "slope") == GROUND
     assert belief_for((Command("speed", 0.5, 0.9, 0.04),), "lean") is None
     free = belief_for((Command("lean", -0.01, 0.01),), "lean")
     assert free is not None and free.change == 0.02

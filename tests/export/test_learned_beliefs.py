@@ -32,7 +32,7 @@ int main(void)
         if (can_be(1, row[1])) {
             take(&adapt.believed, &adapt.lean_steps, row[1], LEAN_JUMP, row[4] > 0.0);
         }
-        take(&adapt.slope, &adapt.slope_steps, row[3], SLOPE_JUMP, 1);
+        take_slope(&adapt, row[3]);
         state.before[1] = row[4];
         state.after[1] = row[5];
         state.before[2] = state.after[2] = row[3];
@@ -109,3 +109,61 @@ def test_c_believes_as_python_does(tmp_path):
     # Both answers occur, and speeds inside of their range and at its ends.
     assert 0.1 < np.mean(expected[:, 2]) < 0.9 or np.ptp(expected[:, 2]) == 1.0
     assert np.ptp(expected[:, 3]) > 0.1 and np.any(np.abs(expected[:, 3] - 0.7) < 0.1)
+
+
+SLOPES = """
+#include <stdio.h>
+#include "adapt.c"
+int main(void)
+{
+    const ng_real first[NG_COMMANDS] = {NG(0.7), NG(0.0), NG(0.0)};
+    double row[2];
+    ng_adapt adapt;
+    ng_adapt_start(&adapt, first);
+    adapt.tilts = 1;
+    while (fread(row, sizeof row, 1, stdin) == 1) {
+        ng_state state = {0};
+        if (can_be(2, row[0])) {
+            take_slope(&adapt, row[0]);
+        }
+        state.before[2] = row[1];
+        double out[4] = {adapt.slope, adapt.slope_steps, adapt.slope_pause,
+                         believes_anew(&adapt, &state)};
+        fwrite(out, sizeof out, 1, stdout);
+    }
+    return 0;
+}
+"""
+
+
+def test_c_learns_slopes_that_change_as_python_does(tmp_path):
+    """Slopes that stay for some steps, single ones that are wrong, and some that cannot be."""
+    design = commanded_design("amber3m", {"pd": LAWS["pd"]}, (SPEED, LEAN, SLOPE))
+    rng, rows = np.random.default_rng(1), 20 * ROWS
+    slopes = np.repeat(rng.uniform(-0.06, 0.05, rows // 10), 10)
+    shown = slopes + rng.normal(0.0, 2e-3, rows)
+    wrong = rng.uniform(size=rows) < 0.1
+    shown[wrong] = rng.uniform(-0.08, 0.08, rows)[wrong]
+    shown[rng.uniform(size=rows) < 0.05] = np.nan
+    # Beliefs of the steps that ended.
+    before = slopes + rng.normal(0.0, 6e-3, rows)
+    belief = command_belief.belief_for((SLOPE,), "slope")
+    assert belief is not None
+    estimate, expected = CommandEstimate(0.0), []
+    for one, latched in zip(shown, before, strict=True):
+        estimate = command_belief.learn(belief, estimate, one)
+        lacking = abs(command_belief.believable(belief, estimate) - latched)
+        anew = estimate.pause > 0 or lacking > SETTLED["slope"]
+        expected.append([estimate.value, estimate.steps, estimate.pause, anew])
+    expected = np.array(expected)
+    files = gait_files(design) | output_folder.adaptation() | {"main.c": SLOPES}
+    folder = folder_with(tmp_path, files)
+    flags = ("-O1", *build.PRECISIONS["double"])
+    program = build.build("gcc", folder, "main", (*build.CORE, "main.c"), flags)
+    sent = np.column_stack([shown, before])
+    done = subprocess.run([program], input=sent.tobytes(), capture_output=True, check=True)
+    found = np.frombuffer(done.stdout).reshape(rows, -1)
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
+    # Means begin anew, and errors wait for the pause alone, too.
+    assert np.sum(np.diff(expected[:, 1]) < 0) > 5
+    assert set(expected[:, 2]) == set(range(6)) and 0.1 < np.mean(expected[:, 3]) < 0.9

@@ -36,6 +36,12 @@ class CommandBelief(NamedTuple):
     """Largest change from one step to the next, in the command's unit."""
     jump: float
     """Difference of a step from the estimate after which it begins anew, in the command's unit."""
+    repeats: int = 1
+    """Steps in a row that have to show such a difference before it does."""
+    alike: float = 0.0
+    """Largest difference of one of these from the mean of those before, in the command's unit."""
+    pause: int = 0
+    """Steps after that until errors of the speed are summed: it has followed the belief by then."""
     gain: float = 0.3
     """Least share of the way to what a step shows [1]: the estimate averages over about three."""
 
@@ -47,6 +53,13 @@ class CommandEstimate(NamedTuple):
     """Estimate in the command's unit; it may lie outside of the command's range."""
     steps: int = 0
     """Steps that showed it."""
+    apart: float = 0.0
+    """Mean of the last ones, which differ from the estimate by more than the jump and are alike, in
+    the command's unit."""
+    repeated: int = 0
+    """How many these are."""
+    pause: int = 0
+    """Steps until errors of the speed are summed, after the estimate began anew."""
 
 
 def belief_for(commands: Commands, name: str) -> CommandBelief | None:
@@ -54,10 +67,13 @@ def belief_for(commands: Commands, name: str) -> CommandBelief | None:
     command = command_named(commands, name)
     if command is None:
         return None
-    # Differences from the estimate that show another robot than before [m]. With encoders a lean
-    # varies by 1.2 mm from step to step; a slope varies by more on any uneven floor.
-    jumps = {LEAN: 5e-3}
-    return CommandBelief(command.low, command.high, command.change_limit, jumps.get(name, math.inf))
+    # With encoders a lean varies by 1.2 mm from step to step. On a floor that rises or falls by a
+    # centimetre a step shows a slope of 30 mrad; another slope shows in every step.
+    rules = {
+        LEAN: {"jump": 5e-3},
+        SLOPE: {"jump": 15e-3, "repeats": 3, "alike": 8e-3, "pause": 5},
+    }
+    return CommandBelief(command.low, command.high, command.change_limit, **rules[name])
 
 
 def can_be(belief: CommandBelief, shown: float) -> bool:
@@ -74,7 +90,8 @@ def learn(
 ) -> CommandEstimate:
     """Return the estimate after a step: a mean of the first steps, and of about three later on.
 
-    It begins anew where a step shows something else, as after the robot or the ground has changed.
+    It begins anew where a step shows something else, or several in a row do, as after the robot or
+    the ground has changed.
 
     Args:
         belief: limits and gain.
@@ -85,10 +102,19 @@ def learn(
     """
     if not can_be(belief, shown):
         return estimate
-    before = 0 if abs(shown - estimate.value) > belief.jump else estimate.steps
-    share = max(belief.gain, 1.0 / (before + 1))
-    value = estimate.value + share * (shown - estimate.value)
-    return CommandEstimate(value, before + 1 if whole else before)
+    value, steps, apart, repeated = estimate[:4]
+    pause = max(estimate.pause - 1, 0)
+    if abs(shown - value) <= belief.jump:
+        repeated = 0
+    elif repeated and abs(shown - apart) <= belief.alike:
+        repeated += 1
+        apart += (shown - apart) / repeated
+    else:
+        apart, repeated = shown, 1
+    if repeated == belief.repeats:
+        return CommandEstimate(apart, repeated if whole else 0, pause=belief.pause)
+    value += max(belief.gain, 1.0 / (steps + 1)) * (shown - value)
+    return CommandEstimate(value, steps + 1 if whole else steps, apart, repeated, pause)
 
 
 def first_commands(

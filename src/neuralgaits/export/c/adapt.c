@@ -67,7 +67,10 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 #define LEAN_SETTLED NG(5e-3)  /* a belief that lacks less has settled [m] */
 #define SLOPE_SETTLED NG(8e-3) /* likewise [rad] */
 #define LEAN_JUMP NG(5e-3)     /* a step that shows this much else is of another robot [m] */
-#define SLOPE_JUMP NG(10.0)    /* none: floors are uneven [rad] */
+#define SLOPE_JUMP NG(15e-3)   /* steps that show this much else are of another ground [rad], */
+#define SLOPE_REPEATS 3        /* if these many in a row do */
+#define SLOPE_ALIKE NG(8e-3)   /* and each is no further from the mean of those before it [rad] */
+#define SLOPE_PAUSE 5          /* steps after that until errors are summed: speeds have followed */
 
 /* Whether a step may show a value: its range, and its width beyond either end. */
 static int can_be(int command, ng_real shown)
@@ -116,6 +119,31 @@ static ng_real angle_of(ng_real rise, ng_real run)
     return angle;
 }
 
+/* Take a slope into the mean: one step of an uneven floor says little, so several begin it anew. */
+static void take_slope(ng_adapt *adapt, ng_real shown)
+{
+    if (adapt->slope_pause > 0) {
+        --adapt->slope_pause;
+    }
+    if (!(ng_abs(shown - adapt->slope) > SLOPE_JUMP)) {
+        adapt->slope_repeated = 0;
+    } else if (adapt->slope_repeated && ng_abs(shown - adapt->slope_apart) <= SLOPE_ALIKE) {
+        adapt->slope_repeated += 1;
+        adapt->slope_apart += (shown - adapt->slope_apart) / (ng_real)adapt->slope_repeated;
+    } else {
+        adapt->slope_apart = shown;
+        adapt->slope_repeated = 1;
+    }
+    if (adapt->slope_repeated == SLOPE_REPEATS) {
+        adapt->slope = adapt->slope_apart;
+        adapt->slope_steps = SLOPE_REPEATS;
+        adapt->slope_repeated = 0;
+        adapt->slope_pause = SLOPE_PAUSE;
+        return;
+    }
+    take(&adapt->slope, &adapt->slope_steps, shown, NG_NEVER, 1);
+}
+
 /* Take note of a touchdown: the old foot is below and behind the new one. */
 static void tilt(ng_adapt *adapt, const ng_command *command)
 {
@@ -126,7 +154,7 @@ static void tilt(ng_adapt *adapt, const ng_command *command)
         adapt->slope_shown = angle_of(-foot[1], -foot[0]);
         adapt->slope_doubted = !can_be(SLOPE, adapt->slope_shown);
         if (!adapt->slope_doubted) {
-            take(&adapt->slope, &adapt->slope_steps, adapt->slope_shown, SLOPE_JUMP, 1);
+            take_slope(adapt, adapt->slope_shown);
         }
     }
 }
@@ -245,7 +273,8 @@ static int believes_anew(const ng_adapt *adapt, const ng_state *state)
 #endif
 #if NG_SLOPE_COMMAND
     const ng_real slope = believable(SLOPE, adapt->slope);
-    if (adapt->tilts && ng_abs(slope - state->before[SLOPE]) > SLOPE_SETTLED) {
+    const ng_real lacking = ng_abs(slope - state->before[SLOPE]);
+    if (adapt->tilts && (adapt->slope_pause > 0 || lacking > SLOPE_SETTLED)) {
         return 1;
     }
 #endif

@@ -41,6 +41,9 @@ typedef struct {
     ng_real slope;         /* mean of the slopes shown: the next touchdown latches it [rad] */
     ng_real slope_shown;   /* slope of the line through both feet at the last touchdown [rad] */
     int slope_doubted;     /* whether that cannot be; the belief is then as it was */
+    int slope_repeated;    /* touchdowns in a row that showed another slope than the mean */
+    ng_real slope_apart;   /* mean of these [rad] */
+    int slope_pause;       /* touchdowns until errors are summed, after that became the mean */
 } ng_adapt;
 
 /*

@@ -144,11 +144,15 @@ class AdaptedCommand:
     def _believes_anew(self, before: Float[np.ndarray, " p"]) -> bool:
         """Return whether a belief is on its way, so that a speed says little about the next one.
 
-        `before` has the commands of the step that ended. [p]
+        Some steps after an estimate began anew the speed is still on its way, too. `before` has the
+        commands of the step that ended. [p]
         """
         return any(
             name in self.names
-            and abs(believable(belief, self._estimates[name]) - float(before[place]))
-            > SETTLED[name]
+            and (
+                self._estimates[name].pause > 0
+                or abs(believable(belief, self._estimates[name]) - float(before[place]))
+                > SETTLED[name]
+            )
             for name, (place, belief) in self._beliefs.items()
         )
