@@ -7,7 +7,8 @@ import jax
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.run import open_parts, open_run, untrained
+from neuralgaits.analysis.run import open_parts, open_run
+from neuralgaits.analysis.untrained_gait import untrained
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
 from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.certificate.levels.problems import trace_certificate

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import equinox as eqx
 import jax
 import numpy as np
-from jaxtyping import PRNGKeyArray
 
 from neuralgaits import _notebook
 from neuralgaits._inputs import same_folder
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.learned import LearnedResiduals
+from neuralgaits.analysis.untrained_gait import gait_of_shapes
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
@@ -29,7 +29,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.folder import CONFIG
-from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, WEIGHTS
 
 
 @dataclass(frozen=True)
@@ -207,7 +207,7 @@ def steady_gait(
 
 
 class RunParts(NamedTuple):
-    """What a run has beside its folder, see `Run`."""
+    """Parts of a run beside its folder, see `Run`."""
 
     robot: PlanarBiped
     spec: GaitSpec
@@ -227,7 +227,7 @@ def open_run(run: "Run | str | Path") -> Run:
         return run
     folder = resolve(run)
     robot, spec = open_parts(folder)
-    gait = folder.read_tree(WEIGHTS, _gait_of_shapes(folder, spec))
+    gait = folder.read_tree(WEIGHTS, gait_of_shapes(folder, spec))
     arrays = map(np.asarray, jax.tree.leaves(gait))
     wrong = None
     if not all(np.all(np.abs(array) <= LARGEST) for array in arrays):
@@ -238,28 +238,6 @@ def open_run(run: "Run | str | Path") -> Run:
         remedy = "the run's policy is damaged or not trained; restore it or train again"
         raise RunError(f"expected {wrong}: {remedy}")
     return Run(folder, robot, spec, gait)
-
-
-def _gait_of_shapes(folder: RunFolder, spec: GaitSpec) -> AnyGait:
-    """Return a gait whose arrays have shapes and kinds but no values, for a run's weights.
-
-    The values that training started from are left out: computing them takes a second. A user's own
-    function may do with them as it likes, so it gets them.
-    """
-    if not specs.is_built_in(config_of(folder).spec):
-        return untrained(folder, spec)
-    shapes_kept = {}
-
-    def shapes(key):
-        leaves, shapes_kept["structure"] = jax.tree.flatten(_new_gait(folder, spec, key))
-        shapes_kept["leaves"] = leaves
-        return [leaf for leaf in leaves if isinstance(leaf, jax.Array)]
-
-    shaped = iter(jax.eval_shape(shapes, jax.eval_shape(jax.random.key, 0)))
-    leaves = [
-        next(shaped) if isinstance(leaf, jax.Array) else leaf for leaf in shapes_kept["leaves"]
-    ]
-    return jax.tree.unflatten(shapes_kept["structure"], leaves)
 
 
 @same_folder()
@@ -296,18 +274,3 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
             f"expected the spec the run was trained with, found other {part} in {name!r}: {why}"
         )
     return robot, spec
-
-
-def untrained(folder: RunFolder, spec: GaitSpec) -> AnyGait:
-    """Return the gait the run started from, before any posture steps."""
-    gait = _new_gait(folder, spec, jax.random.key(config_of(folder).seed))
-    if START not in folder.copies:
-        return gait
-    folder.copied(START)  # Refuses weights that were changed since.
-    return folder.read_tree(START, gait)
-
-
-@same_folder()
-def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> AnyGait:
-    config = config_of(folder)
-    return spec.new_gait(key, config.init, config.hidden)

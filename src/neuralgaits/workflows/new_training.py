@@ -20,6 +20,7 @@ from neuralgaits.gait.commands import LEAN, Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.training_config import Proving, Range, TrainingConfig
 from neuralgaits.robots.parameter_box import checked_box
+from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.settings import GaitSettings
@@ -87,13 +88,7 @@ def new_training(
         spec = specs.for_robot(spec, robot)
     init, steps = settings.init or "posture", settings.steps
     speed, commands, box = _targets(settings)
-    if (commands or speed is not None or box) and not isinstance(spec, str):
-        raise InputError(
-            "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
-            "build it with specs.commanded or specs.robust"
-        )
-    with same_folder():
-        loaded = specs.load(spec, robot, commands, speed, box) if isinstance(spec, str) else spec
+    loaded = _loaded(spec, robot, commands, speed, box)
     _refuse_untrainable(loaded)
     refuse_many_axes(loaded)
     gait = _new_gait(loaded, seed, init, settings.hidden)
@@ -123,6 +118,28 @@ def new_training(
     if doubt is not None and warn is not None:
         warn(doubt)
     return NewTraining(RunParts(robot, loaded, gait), config, copies)
+
+
+@same_folder()
+def _loaded(
+    spec: str | GaitSpec,
+    robot: RobotFile,
+    commands: Commands,
+    speed: float | None,
+    box: dict[str, float],
+) -> GaitSpec:
+    """Return the spec for a robot and what its gait is meant for.
+
+    Raises: InputError for a spec that is given whole, with something that a name would be told.
+    """
+    if isinstance(spec, str):
+        return specs.load(spec, robot, commands, speed, box)
+    if commands or speed is not None or box:
+        raise InputError(
+            "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
+            "build it with specs.commanded or specs.robust"
+        )
+    return spec
 
 
 def _targets(settings: GaitSettings) -> tuple[float | None, Commands, dict[str, float]]:

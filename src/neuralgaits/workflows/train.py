@@ -9,7 +9,8 @@ import numpy as np
 
 from neuralgaits._checks import SEEDS
 from neuralgaits.analysis.poincare_map import poincare
-from neuralgaits.analysis.run import Run, open_parts, untrained
+from neuralgaits.analysis.run import Run, open_parts
+from neuralgaits.analysis.untrained_gait import untrained
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import Interrupted, NonFiniteError, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
