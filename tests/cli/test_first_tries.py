@@ -21,7 +21,7 @@ from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page.repeat_commands import settings_of_link
-from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.simulation.incompatible_settings import about_other_robot, link_of
 from neuralgaits.workflows import check_proof as checking
@@ -106,7 +106,7 @@ def test_a_speed_beyond_legs_is_doubted_before_training():
 def test_legs_of_a_hundred_metres_are_likely_to_be_in_millimetres(monkeypatch):
     robot = load_robot("amber3m")
     assert gait_doubt(robot, None, None) is None and inspect(robot).warnings == ()
-    monkeypatch.setattr(PlanarBiped, "leg_length", 340.0)
+    monkeypatch.setattr(type(robot.layout), "leg_length", 340.0)
     doubt = gait_doubt(robot, None, None)
     assert doubt is not None and "340 m long" in doubt and "write 0.34 for 340 mm" in doubt
     assert doubt in inspect(robot).warnings

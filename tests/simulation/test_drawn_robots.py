@@ -9,7 +9,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
-from neuralgaits.robots.drawn_robots import DrawnRobots
+from neuralgaits.robots.mjcf.drawn_robots import DrawnRobots
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import schedule_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges

@@ -16,7 +16,7 @@ from neuralgaits.control.law_by_name import at_bandwidth, exported_laws, law_nam
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import LEAN, SLOPE, Commands, place_of
-from neuralgaits.robots.drawn_robots import DrawnRobots
+from neuralgaits.robots.mjcf.drawn_robots import DrawnRobots
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link

@@ -15,7 +15,7 @@ import safetensors.numpy
 from neuralgaits.analysis.run import open_run
 from neuralgaits.engine import Files, Job, Settings, WorkerPool
 from neuralgaits.errors import InputError
-from neuralgaits.robots.drawn_robots import DrawnRobots
+from neuralgaits.robots.mjcf.drawn_robots import DrawnRobots
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import plain
 from neuralgaits.runs.arrays import packed

@@ -17,7 +17,7 @@ from neuralgaits.control.controlled_gait import law_for
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import at_bandwidth, law_named
 from neuralgaits.errors import InputError
-from neuralgaits.robots.drawn_robots import DrawnRobots
+from neuralgaits.robots.mjcf.drawn_robots import DrawnRobots
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.simulation.native_walk import Choice, WalkEngine, engine_of_trained

@@ -1,6 +1,6 @@
 """Streams of random numbers: one for each thing that is drawn of an episode, all independent.
 
-A new thing takes a number that is free. `robots.drawn_robots` draws per robot instead of per
+A new thing takes a number that is free. `robots.mjcf.drawn_robots` draws per robot instead of per
 episode; its own number comes first in its seeds, so it meets none of these.
 """
 
