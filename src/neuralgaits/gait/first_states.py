@@ -3,7 +3,7 @@
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.gait.posture import posture_path, walking_posture
+from neuralgaits.gait.posture import coordinates_at, posture_path, walking_posture
 from neuralgaits.gait.stepping_robot import SteppingRobot
 
 
@@ -34,7 +34,5 @@ class FirstStates:
             np.array([np.interp(z1, self._z1, column) for column in table.T])
             for table in (self._outputs, self._slopes)
         )
-        gradient, rates = self._robot.position_rows[0], slopes * speed
-        first = (z1 - gradient[1:] @ outputs) / gradient[0]
-        dfirst = (speed - gradient[1:] @ rates) / gradient[0]
-        return np.concatenate([[first], outputs]), np.concatenate([[dfirst], rates])
+        q = coordinates_at(self._robot, z1, outputs)
+        return q, coordinates_at(self._robot, speed, slopes * speed)

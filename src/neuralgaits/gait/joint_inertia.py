@@ -8,7 +8,7 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Coordinates, Float
-from neuralgaits.gait.posture import walking_posture
+from neuralgaits.gait.posture import coordinates_at, walking_posture
 from neuralgaits.gait.stepping_robot import SteppingRobot
 
 
@@ -57,9 +57,7 @@ class JointResponse:
     def accelerations(self) -> Float[np.ndarray, "m m"]:
         """Accelerations of the actuated joints for unit torques, (D^-1)_aa."""
         robot, posture = self.robot, walking_posture(self.robot)
-        outputs, hip_gradient = posture.guard_outputs, robot.position_rows[0]
-        ahead = posture.z_guard - hip_gradient[1:] @ outputs
-        q = np.concatenate([[ahead / hip_gradient[0]], outputs])
+        q = coordinates_at(robot, posture.z_guard, posture.guard_outputs)
         with jax.ensure_compile_time_eval():  # Gains are numbers, whoever asks for them.
             mass = np.asarray(_mass(robot, q))
         return np.linalg.inv(mass)[1:, 1:]

@@ -182,6 +182,12 @@ def _knee_bounds(robot: "SteppingRobot") -> tuple[Actuated, Actuated, Actuated]:
     return *bounds, np.where(forward, 1.0, -1.0)
 
 
+def coordinates_at(robot: "SteppingRobot", z1: float, outputs: Actuated) -> Float[np.ndarray, " n"]:
+    """Return the coordinates with these outputs and this z1, or rates with such rates. [n]."""
+    rows = robot.position_rows[0]
+    return np.concatenate([[(z1 - rows[1:] @ outputs) / rows[0]], outputs])
+
+
 def posture_path(robot: "SteppingRobot", z1: Float[np.ndarray, " N"]) -> Float[np.ndarray, "N m"]:
     """Joint angles of a rough step by inverse kinematics, as a function of z1.
 
@@ -191,14 +197,13 @@ def posture_path(robot: "SteppingRobot", z1: Float[np.ndarray, " N"]) -> Float[n
     from scipy.optimize import least_squares  # Slow to import, and seldom needed.
 
     posture, turn = walking_posture(robot), robot.link_angles
-    length, hip_gradient = robot.layout.leg_length, robot.position_rows[0]
+    length = robot.layout.leg_length
     # Lengths whose sum along the links leads to the hip: those of the stance leg, which come first.
     hip = np.zeros(robot.n)
     hip[: len(robot.layout.leg_lengths)] = robot.layout.leg_lengths
 
     def angles(position: float, outputs: np.ndarray) -> np.ndarray:
-        first = (position - hip_gradient[1:] @ outputs) / hip_gradient[0]
-        return turn @ np.concatenate([[first], outputs])
+        return turn @ coordinates_at(robot, position, outputs)
 
     def misfit(outputs: np.ndarray, position: float) -> np.ndarray:
         theta = angles(position, outputs)

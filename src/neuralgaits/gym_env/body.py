@@ -15,9 +15,8 @@ from neuralgaits._types import Float
 from neuralgaits.control.measurement import SensedRobot, leg_joints
 from neuralgaits.control.touchdown import TouchdownThresholds, touches_down
 from neuralgaits.robots.mjcf_state import Sensors
-from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant
+from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant, rolling_foot
 from neuralgaits.simulation.setup.push import Push
-from neuralgaits.simulation.setup.starts import rolling_foot
 from neuralgaits.simulation.setup.streams import Stream, generator
 from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 from neuralgaits.simulation.ticks.falls import ENDLESS, Ending, ending

@@ -23,8 +23,7 @@ from neuralgaits.simulation.native_tick import NativeTick
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.plant import PERIOD_S, build
-from neuralgaits.simulation.setup.starts import rolling_foot
+from neuralgaits.simulation.setup.plant import PERIOD_S, build, rolling_foot
 from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord

@@ -27,9 +27,8 @@ from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drives import law_of_drives
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
-from neuralgaits.simulation.setup.plant import PERIOD_S, Plant, build
+from neuralgaits.simulation.setup.plant import PERIOD_S, Plant, build, rolling_foot
 from neuralgaits.simulation.setup.push import Push
-from neuralgaits.simulation.setup.starts import rolling_foot
 from neuralgaits.simulation.setup.uneven_floor import UnevenFloor
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch, Watch

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.control.measurement import SensedRobot
+from neuralgaits.control.measurement import SensedRobot, rolling_radius
 from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.robots.robot_file import RobotFile
@@ -212,3 +212,12 @@ def _disturb(model: mujoco.MjModel, robot: RobotFile, disturbance: PlantChanges)
             raise InputError(f"disturbance torso_shift_m: robot {robot.name} has no torso to shift")
         root = int(model.jnt_bodyid[model.joint(layout.root_joints[2]).id])
         shift_weight(model, root, np.array([disturbance.torso_shift_m, 0.0, 0.0]))
+
+
+def rolling_foot(robot: RobotFile, dq: Float[np.ndarray, "*B n"]) -> Float[np.ndarray, "*B 2"]:
+    """Return the velocity of a point foot's centre as it rolls at these rates, (x, z) [m/s].
+
+    A walk starts so: a sphere whose centre is at rest would slip.
+    """
+    along = -float(rolling_radius(robot)) * dq[..., 0]
+    return np.stack([along, np.zeros_like(along)], axis=-1)

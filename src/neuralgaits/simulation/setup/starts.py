@@ -14,12 +14,10 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.control.controlled_gait import ControlledGait
 from neuralgaits.control.joint_model import JointModel
-from neuralgaits.control.measurement import rolling_radius
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 from neuralgaits.gait.commands import CommandLimits, Commands, Pair
 from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
-from neuralgaits.robots.robot_file import RobotFile
 from neuralgaits.simulation.setup.streams import Stream, generator
 
 KINDS = ("centre", "region", "fixed-point")
@@ -119,12 +117,3 @@ def _momenta(family: CommandedGait, phases: Array, pairs: Pair) -> Array:
 @quick_filter_jit
 def _z_of(gait: Gait, charts: Array) -> Array:
     return jax.vmap(gait.z)(charts)
-
-
-def rolling_foot(robot: RobotFile, dq: Float[np.ndarray, "*B n"]) -> Float[np.ndarray, "*B 2"]:
-    """Return the velocity of a point foot's centre as it rolls at these rates, (x, z) [m/s].
-
-    A walk starts so: a sphere whose centre is at rest would slip.
-    """
-    along = -float(rolling_radius(robot)) * dq[..., 0]
-    return np.stack([along, np.zeros_like(along)], axis=-1)
