@@ -38,6 +38,8 @@ class ControlAssumption:
         error: bound on |S e| of torques when they are set, at level 5 [rad/s^2].
         state_error: bounds on the error of each angle and of each rate of the state that torques of
             level 5 are computed from (rad, rad/s); None for the true state.
+        model_box: errors of the file's masses [1], centres of mass [m] and inertias [1] at level 5;
+            None for the file's robot alone.
     """
 
     bandwidth: float | None = None
@@ -45,6 +47,7 @@ class ControlAssumption:
     scheduled: bool = False
     error: float = 0.0
     state_error: tuple[float, float] | None = None
+    model_box: tuple[float, float, float] | None = None
 
 
 USUAL_CONTROL = ControlAssumption()

@@ -57,7 +57,7 @@ class ExactLinearisation:
     def after_impact(self, point: FullPoint, u: Chart, e: Actuated) -> Actuated:
         """Compare the torque from before with that of the new step."""
         del u
-        after = _after_impact(point)
+        after = state_after_impact(point)
         held = _renamed(point, point.torque + inertia(point) @ e)
         return solve(inertia(after), held - after.torque)
 
@@ -107,7 +107,7 @@ class ScheduledLaw(NamedTuple):
 
     def after_impact(self, point: FullPoint, u: Chart, e: Actuated) -> Actuated:
         """Compare the torque from before with the law's in the new step."""
-        after = _after_impact(point)
+        after = state_after_impact(point)
         held = _renamed(point, self.torque(point, u) + inertia(point) @ e)
         return solve(inertia(after), held - self.torque(after, self.chart(after.z)))
 
@@ -136,7 +136,7 @@ def _with_accelerations(point: FullPoint, ddy: Actuated) -> FullPoint:
     return FullPoint(point.robot, point.policy, point.z, eta, point.bandwidth, ddy)
 
 
-def _after_impact(point: FullPoint) -> FullPoint:
+def state_after_impact(point: FullPoint) -> FullPoint:
     """Return the state right after an impact, in the new step."""
     policy = point.policy.steady_next
     return FullPoint(point.robot, policy, point.z_after, point.eta_after, point.bandwidth)

@@ -36,28 +36,28 @@ MOST_SHARE = 0.5
 errors near the whole of it the box holds robots of no mass."""
 
 
-def parse_box(text: str) -> dict[str, float]:
-    """Read `mass=2%,com=5mm,inertia=5%,rotor=5%`. Returns: half widths by kind.
+def parse_box(text: str, option: str = "--parameters") -> dict[str, float]:
+    """Read `mass=2%,com=5mm,inertia=5%,rotor=5%` of an option. Returns: half widths by kind.
 
     Raises: InputError on unknown names, on values that are none, and on units that do not fit.
     """
     if not text.strip():
-        raise InputError("--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found none")
+        raise InputError(f"{option}: expected NAME=SIZE,... as in mass=2%,com=5mm, found none")
     box: dict[str, float] = {}
-    for part in listed("--parameters", text):
+    for part in listed(option, text):
         name, equals, value = (piece.strip() for piece in part.partition("="))
         if not equals:
             raise InputError(
-                f"--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found {part!r}"
+                f"{option}: expected NAME=SIZE,... as in mass=2%,com=5mm, found {part!r}"
             )
-        _refuse_unknown(name)
+        _refuse_unknown(name, option)
         if name in box:
-            raise InputError(f"--parameters: expected {name} once, found it twice")
-        box[name] = _size(name, value)
-    return checked_box(box)
+            raise InputError(f"{option}: expected {name} once, found it twice")
+        box[name] = _size(name, value, option)
+    return checked_box(box, option)
 
 
-def _size(name: str, value: str) -> float:
+def _size(name: str, value: str, option: str) -> float:
     number = r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)"
     match, units = re.fullmatch(number, value), UNITS[name]
     if match is None or match[2] not in units:
@@ -66,41 +66,41 @@ def _size(name: str, value: str) -> float:
             f" in {unit_note}" if unit_note else " without a unit, the coefficient, as in 0.5"
         )
         raise InputError(
-            f"--parameters: expected {name} as a number above 0{unit_note}, found {value!r}"
+            f"{option}: expected {name} as a number above 0{unit_note}, found {value!r}"
         )
     try:
         half = float(match[1]) * units[match[2]]
     except ValueError:
-        raise InputError(f"--parameters: expected a number for {name}, found {value!r}") from None
+        raise InputError(f"{option}: expected a number for {name}, found {value!r}") from None
     if not match[2] and name not in _MOST and 1.0 <= half < math.inf:
         raise InputError(
-            f"--parameters: expected {name} as a share such as 2% or 0.02, found {value}: "
+            f"{option}: expected {name} as a share such as 2% or 0.02, found {value}: "
             "write the per cent sign"
         )
     return half
 
 
-def _refuse_unknown(name: object) -> None:
+def _refuse_unknown(name: object, option: str) -> None:
     if name not in UNITS:
         hint = meant(str(name), UNITS)
         more = f"; {hint}" if hint else ""
-        raise InputError(f"--parameters: expected one of {', '.join(UNITS)}, found {name!r}{more}")
+        raise InputError(f"{option}: expected one of {', '.join(UNITS)}, found {name!r}{more}")
 
 
-def checked_box(box: Box) -> dict[str, float]:
+def checked_box(box: Box, option: str = "--parameters") -> dict[str, float]:
     """Return a box in the order of `UNITS`, after checking that all its robots are plausible.
 
     Raises: InputError on unknown names, on sizes that are not numbers or not positive, and on
     boxes with robots far from the file's.
     """
     for name, half in box.items():
-        _refuse_unknown(name)
+        _refuse_unknown(name, option)
         if not (math.isfinite(half) and half > 0.0):
-            raise InputError(f"--parameters: expected {name} above 0, found {half:g}: leave it out")
+            raise InputError(f"{option}: expected {name} above 0, found {half:g}: leave it out")
         most, unit, meant_so = _MOST.get(name, (math.inf, "", ""))
         if half > most:
             raise InputError(
-                f"--parameters: expected {name} of at most {most:g}{unit}, found {half:g}{unit}: "
+                f"{option}: expected {name} of at most {most:g}{unit}, found {half:g}{unit}: "
                 f"{meant_so}"
             )
         if name not in _MOST and half > MOST_SHARE:
@@ -108,7 +108,7 @@ def checked_box(box: Box) -> dict[str, float]:
             far = f"far from the file's, down to {100.0 * (1.0 - half):.4g} % of it"
             size = "zero or negative" if half >= 1.0 else far
             raise InputError(
-                f"--parameters: expected {name} of at most {100.0 * MOST_SHARE:g} %, found "
+                f"{option}: expected {name} of at most {100.0 * MOST_SHARE:g} %, found "
                 f"{100.0 * half:.10g} %: the box would hold robots whose {what} is {size}"
             )
     return {name: float(box[name]) for name in UNITS if name in box}

@@ -50,6 +50,9 @@ _StateError = Annotated[
     tuple[float, float] | None,
     option("ANGLE,RATE", forms.state_error, forms.state_error_word),
 ]
+_ModelError = Annotated[
+    Mapping[str, float] | None, option("NAME=SIZE,...", forms.model_error, forms.box_word)
+]
 _Ranges = Annotated[
     Mapping[str, Interval] | None, option("NAME=LOW:HIGH,...", forms.ranges, forms.ranges_word)
 ]
@@ -84,6 +87,9 @@ class CertifySettings(Settings):
     state_error: _StateError = None
     """At level 5 with fblin, errors of each measured angle and of each measured rate, as in
     0.005mrad,0.25mrad/s; (rad, rad/s) in Python. The error of torques that these make is proved."""
+    model_error: _ModelError = None
+    """At level 5 with fblin, errors of the file's masses, centres of mass and inertias, of each
+    type of link, as in mass=0.2%,com=0.4mm: proved for every such robot."""
     budget: Seconds = None
     """Stop the search after this time [s]; tracing and compiling before it take some seconds more.
     The result so far is kept."""
@@ -125,6 +131,9 @@ class CertifySettings(Settings):
             )
         if self.state_error is not None:
             self._check_state_error(self.state_error)
+        if self.model_error is not None:
+            model_triple(self.model_error)
+            self._check_fblin("an error of the model")
         if self.bandwidth is None:
             return
         check_bandwidth(self.bandwidth)
@@ -136,9 +145,12 @@ class CertifySettings(Settings):
 
     def _check_state_error(self, error: tuple[float, float]) -> None:
         check_state_error(error)
+        self._check_fblin("an error of the state")
+
+    def _check_fblin(self, what: str) -> None:
         if self.highest < DISTURBED_LEVEL or self.controller != "fblin":
             raise InputError(
-                f"expected level {DISTURBED_LEVEL} of fblin with an error of the state, found "
+                f"expected level {DISTURBED_LEVEL} of fblin with {what}, found "
                 f"level {self.highest} of {self.controller}: give --level {DISTURBED_LEVEL}, and "
                 "leave --controller out"
             )
@@ -147,6 +159,27 @@ class CertifySettings(Settings):
     def highest(self) -> int:
         """Highest level that is to be proved, the usual one if none is asked for."""
         return HIGHEST_OF_MANY if self.level is None else self.level
+
+
+def model_triple(box: Mapping[str, float] | None) -> tuple[float, float, float] | None:
+    """Return errors of masses, centres of mass [m] and inertias; None for the file's robot.
+
+    Raises: InputError for other kinds of parameters.
+    """
+    if box is None:
+        return None
+    from neuralgaits.robots.parameter_box import checked_box
+
+    kinds, checked = ("mass", "com", "inertia"), checked_box(box, "--model-error")
+    others = [name for name in checked if name not in kinds]
+    if others or not checked:
+        found = ", ".join(others) or "none"
+        raise InputError(
+            f"expected --model-error of mass, com or inertia, found {found}: write "
+            "mass=0.2%,com=0.4mm"
+        )
+    mass, com, inertia = (checked.get(kind, 0.0) for kind in kinds)
+    return mass, com, inertia
 
 
 @dataclass(frozen=True)

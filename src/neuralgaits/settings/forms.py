@@ -113,6 +113,13 @@ def box_or_none(text: str) -> dict[str, float]:
     return {} if text == "none" else box(text)
 
 
+def model_error(text: str) -> dict[str, float]:
+    """Read errors of a robot's model, `mass=0.2%,com=0.4mm`. Raises: InputError."""
+    from neuralgaits.robots.parameter_box import parse_box
+
+    return parse_box(text, "--model-error")
+
+
 def disturbance(text: str) -> tuple[float, float] | Literal["learned"]:
     """Read two bounds `A,B` (m/s, N m), or `learned`. Raises: InputError."""
     if text == LEARNED:

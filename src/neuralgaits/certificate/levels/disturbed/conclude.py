@@ -5,6 +5,11 @@ The argument is in docs/level5_proof.md. Needs no JAX.
 
 from flint import arb
 
+from neuralgaits.certificate.levels.disturbed.model_inequalities import (
+    most_error,
+    output_drift,
+    outputs_landed,
+)
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     decay,
     error_rate,
@@ -78,6 +83,8 @@ def constant_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> li
         rows += _kick_rows(full, disturbed)
     if disturbed.measured:
         rows += _state_rows(disturbed)
+    if disturbed.of_other_robots:
+        rows += _model_rows(full, disturbed)
     words = "under such e sqrt(V) falls to this between impacts"
     rows.append(TheoremConstant("kept", above(kept), "rad", words, "most"))
     if loop < 1:
@@ -148,6 +155,23 @@ def _state_rows(disturbed: DisturbedConstants) -> list[TheoremConstant]:
     ]  # fmt: skip
 
 
+def _model_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
+    mass, com, inertia = disturbed.model_box
+    drift = output_drift(disturbed).at(most_error(full, disturbed), arb(full.radius))
+    return [
+        TheoremConstant("mass error", mass, "1", "of each type of link, a share", "least"),
+        TheoremConstant("centre error", com, "m", "along a link and across it, each", "least"),
+        TheoremConstant("inertia error", inertia, "1", "of each type of link, a share", "least"),
+        TheoremConstant(
+            "drift", above(drift), "rad/s", "of sqrt(V), by links that are not the file's", "most",
+        ),
+        TheoremConstant(
+            "landed", above(outputs_landed(full, disturbed)), "rad",
+            "of sqrt(V) in an impact, by such links", "most",
+        ),
+    ]  # fmt: skip
+
+
 def _always(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Return the |S e| up to which any error is tolerated anywhere in the set."""
     least, (still, slope) = arb(full.least_radius), map(arb, disturbed.push)
@@ -193,15 +217,16 @@ def _words(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[str
         short = "|S e|"
         size = f"|S e|, S = {weighting(full.weights, joints_of(full.weights) or 0)!r},"
     most = below(_always(full, disturbed))
+    of_file = " on the file's robot" if disturbed.of_other_robots else ""
     sentences = [
-        f"the same set D, whatever measurable e(t) with {size} <= {most!r} "
+        f"the same set D{of_file}, whatever measurable e(t) with {size} <= {most!r} "
         f"rad/s^2 is added: under {_law_in_words(disturbed)}, every "
         "trajectory that starts in D stays in D between impacts, meets the ground once and "
         "transversally in each step, and is in D after the impact: it walks for ever"
     ]
     if disturbed.hold != 0.0:
         sentences.append(
-            "the same set D, whatever ticks there are at most "
+            f"the same set D{_on_robots(disturbed)}, whatever ticks there are at most "
             f"{disturbed.hold!r} s apart, {_about_touchdowns(disturbed)}: if torques are set at "
             f"each tick with {short} <= {disturbed.error!r} rad/s^2{own} and held until the next, "
             "every trajectory that starts in D at a tick stays in D, meets the ground once and "
@@ -209,13 +234,32 @@ def _words(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[str
         )
     if disturbed.measured:
         sentences.append(_of_measured_states(disturbed, short))
-    causes = "a wrong model" if disturbed.measured else "a wrong model or a measurement"
+    known = disturbed.measured, disturbed.of_other_robots
+    causes = {
+        (False, False): "a wrong model or a measurement",
+        (True, False): "a wrong model",
+        (False, True): "a measurement",
+        (True, True): "any other wrong model",
+    }[known]
     return (
         *sentences,
         "all along, the barrier functions are not negative on the robot itself, the contact force "
         "and every impulse stay in the friction cone, and the torques that are applied stay within "
         "the robot's limits: none saturates",
         f"which e {causes} makes is not part of this theorem",
+    )
+
+
+def _on_robots(disturbed: DisturbedConstants) -> str:
+    """State on which robots torques may be held."""
+    if not disturbed.of_other_robots:
+        return ""
+    mass, com, inertia = disturbed.model_box
+    return (
+        " on every robot whose types of link have masses off by a share of at most "
+        f"{mass!r}, centres of mass by at most {com!r} m along the link and across it, and "
+        f"inertias by a share of at most {inertia!r}, both legs alike, while state and torques are "
+        "computed with the file's model"
     )
 
 

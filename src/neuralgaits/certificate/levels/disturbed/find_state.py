@@ -51,7 +51,7 @@ def state_bounds(
     seen = evaluators.sensed(u)
     size = seen["error"].shape[2]
     off = np.repeat(state_error, size // 2)
-    axes = _axes(np.linalg.norm(seen["error"], axis=1) * off, off)
+    axes = axes_of_errors(np.linalg.norm(seen["error"], axis=1) * off, off)
     slope = ROOM_OF_ERRORS * math.sqrt(((seen["error"] * axes) ** 2).sum(axis=(1, 2)).max())
     chart = np.sqrt(((seen["chart"] * axes) ** 2).sum(axis=2).max(axis=0))
     xi = math.sqrt(((seen["xi"] * axes) ** 2).sum(axis=(1, 2)).max())
@@ -76,7 +76,7 @@ def _growths(seen, axes: np.ndarray) -> np.ndarray:
     return np.sqrt((growth**2).sum(axis=(1, 2, 3)))
 
 
-def _axes(lengths: np.ndarray, off: np.ndarray) -> np.ndarray:
+def axes_of_errors(lengths: np.ndarray, off: np.ndarray) -> np.ndarray:
     """Return half axes of an ellipsoid that holds all errors and makes the largest |S e| least.
 
     Args:

@@ -13,6 +13,12 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.certificate.levels.disturbed.model_margins import (
+    contact_taken,
+    impulse_margin,
+    model_margins,
+    taken_margins,
+)
 from neuralgaits.certificate.levels.disturbed.state_margins import state_margins
 from neuralgaits.certificate.levels.disturbed.theorem import (
     BARRIER_CONSTANTS,
@@ -52,7 +58,8 @@ def margins(
     bound, guard = its.bound(u[0]), its.set["guard_radius"] * xi
     unit, xi = xi, bound * xi
     errors = LawErrors(model, _law(model, disturbed, parts), u)
-    margins = _forces(errors, xi, parts["peak"][0] + parts["peak"][1] * bound)
+    peak = parts["peak"][0] + parts["peak"][1] * bound
+    margins = _forces(errors, xi, peak)
     if disturbed.scheduled:
         margins |= _decay(errors, xi, parts["law"])
     if disturbed.hold != 0.0:
@@ -71,11 +78,22 @@ def margins(
     centre = model.point(u, jnp.zeros_like(xi))
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
+    left = {}
     for k, name in enumerate(model.names):
         alpha, weight, lost = rows[k]
         # dh/dt + alpha h - p |d(dh/dt)/d xi|^2 - q >= 0.
         spent = weight * (coupling[k] @ coupling[k]) + lost
-        margins[f"disturbed/decrease {name}"] = rate[k] + alpha * h[k] - spent
+        left[name] = rate[k] + alpha * h[k] - spent
+        margins[f"disturbed/decrease {name}"] = left[name]
+    if disturbed.of_other_robots:
+        contact = {"contact": margins["disturbed/contact"]}
+        margins |= model_margins(model, u, xi, guard, parts)
+        margins |= taken_margins(model, u, parts, bound, peak, contact | left)
+        impulse = model.at_impact(model.point(u, guard))["impulse"]
+        margins |= impulse_margin(parts, impulse, its.set["guard_radius"])
+        if disturbed.free_clock:
+            taken = contact_taken(parts, bound, parts["kick"][3])
+            margins["disturbed/model-kick-contact"] = margins["disturbed/kick-contact"] - taken
     return margins
 
 

@@ -4,8 +4,20 @@ The argument is in docs/level5_proof.md; inequalities 1 to 3 are those of docs/l
 docs/level5_clock.md. Needs no JAX.
 """
 
+from dataclasses import astuple
+
 from flint import arb, fmpq
 
+from neuralgaits.certificate.levels.disturbed.model_inequalities import (
+    barrier_landed,
+    error_drift,
+    kicked_barrier,
+    kicked_by_model,
+    model_inequalities,
+    most_error,
+    output_drift,
+    outputs_landed,
+)
 from neuralgaits.certificate.levels.disturbed.radius_inequalities import (
     beside_start,
     face_inequalities,
@@ -39,13 +51,11 @@ def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> lis
         _not_above("slope of push <= slope of peak", disturbed.push[1], disturbed.peak[1]),
     ]
     rows += _radius_inequalities(full, disturbed)
-    for its, of in zip(disturbed.barriers, full.barriers, strict=False):
-        rows += _barrier_inequalities(
-            full, disturbed, its.name, its.alpha, its.weight, its.lost, of
-        )
+    for k, of in enumerate(full.barriers[: len(disturbed.barriers)]):
+        rows += _barrier_inequalities(full, disturbed, k, of)
     if disturbed.free_clock:
         rows += _kick_inequalities(full, disturbed)
-    rows += state_inequalities(full, disturbed)
+    rows += state_inequalities(full, disturbed) + model_inequalities(full, disturbed)
     return rows + (_hold_inequalities(full, disturbed) if disturbed.hold != 0.0 else [])
 
 
@@ -78,6 +88,7 @@ def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) 
     hold, end, peak = arb(disturbed.hold), arb(disturbed.kick_end), arb(disturbed.kick_peak)
     rate = error_rate(full, disturbed)
     most = abs(arb(disturbed.jerk)) + growth_slope(full, disturbed) * arb(full.radius)
+    most += error_drift(disturbed, peak).at(peak, arb(full.radius))
     grown = (rate * hold).exp()
     kicked, at_tick = _w_after_kick(full, disturbed), sqrt_v_after_kick(full, disturbed)
     # Inequality 4 of docs/level5_clock.md.
@@ -101,12 +112,12 @@ def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) 
             bound_at(full, arb(full.start_strip)).min(bound_at(full, end)),
         ),
     ]
-    for barrier in full.barriers:
+    for k, barrier in enumerate(full.barriers[: len(disturbed.barriers)]):
         rows.append(
             Inequality(
                 f"{barrier.name}: free clock: sigma (sqrt(V+) + b hold mean kick)^2 < h(z+) - t",
                 arb(barrier.sigma) * kicked**2,
-                inlet(full, barrier),
+                inlet(full, barrier) - barrier_landed(full, disturbed, k),
             )
         )
     return rows
@@ -117,14 +128,14 @@ def sqrt_v_after_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -
 
     The bound is convex in the time since the impact, so its ends suffice.
     """
-    after = after_impact(full)
+    after = after_impact(full) + outputs_landed(full, disturbed)
     decayed = (-decay(full, disturbed) * arb(disturbed.hold) / 2).exp() * after
     return after.max(decayed + _kick_added(full, disturbed))
 
 
 def _w_after_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Bound W right after an impact: sqrt(V) and all that is added until the next tick [rad]."""
-    return after_impact(full) + _kick_added(full, disturbed)
+    return after_impact(full) + outputs_landed(full, disturbed) + _kick_added(full, disturbed)
 
 
 def _kick_added(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
@@ -137,15 +148,17 @@ def first_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     radius = arb(full.guard_radius)
     before = arb(disturbed.peak[0]) + arb(disturbed.peak[1]) * radius
     exact = abs(arb(disturbed.kick)) + abs(arb(disturbed.kick_slope)) * radius
-    return exact + abs(arb(disturbed.kick_push)) * before
+    return kicked_by_model(full, disturbed, exact + abs(arb(disturbed.kick_push)) * before)
 
 
 def mean_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     """Bound the mean of |S e| from an impact to the next tick; its bound is convex in time.
 
-    With the error of the law's own torque at eta = 0.
+    With the error of the law's own torque at eta = 0, and what other robots' links add.
     """
-    return (first_kick(full, disturbed) + arb(disturbed.kick_peak)) / 2 + rest(disturbed)
+    peak = arb(disturbed.kick_peak)
+    beside = rest(disturbed) + output_drift(disturbed).at(peak, arb(full.radius)) / factor(full)
+    return (first_kick(full, disturbed) + peak) / 2 + beside
 
 
 def error_rate(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
@@ -195,7 +208,9 @@ def growth(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[arb
 
     It is at most first + second R, R being the bound on sqrt(V) at any later moment of the hold.
     """
-    still = abs(arb(disturbed.jerk)) + error_rate(full, disturbed) * arb(disturbed.error)
+    most = most_error(full, disturbed)
+    still = abs(arb(disturbed.jerk)) + error_drift(disturbed, most).at(most, arb(full.radius))
+    still += error_rate(full, disturbed) * arb(disturbed.error)
     # The bound on V was larger when the hold began, or at phase 0 if the phase is below.
     earlier = (decay(full, disturbed) * arb(disturbed.hold) / 2).exp() * beside_start(full)
     return still, earlier * growth_slope(full, disturbed)
@@ -211,8 +226,12 @@ def growth_slope(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb
 
 
 def most_push(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
-    """Bound what |S e| does to sqrt(V) in the mean over a hold, anywhere in the set."""
+    """Bound what |S e| does to sqrt(V) in the mean over a hold, anywhere in the set.
+
+    What other robots' links add to the rate of sqrt(V) is in it, in the unit of |S e|.
+    """
     most = arb(disturbed.push[0]) + arb(disturbed.push[1]) * arb(full.radius)
+    most += output_drift(disturbed).at(most_error(full, disturbed), arb(full.radius)) / factor(full)
     if not disturbed.free_clock:
         return most
     # From an impact to the next tick sqrt(V) may be below its bound by b hold (mean kick).
@@ -232,19 +251,14 @@ def _not_above(claim: str, left: float, right: float) -> Inequality:
 
 
 def _barrier_inequalities(
-    full: FullOrderConstants,
-    disturbed: DisturbedConstants,
-    name: str,
-    alpha: float,
-    weight: float,
-    lost: float,
-    of: BarrierConstants,
+    full: FullOrderConstants, disturbed: DisturbedConstants, k: int, of: BarrierConstants
 ) -> list[Inequality]:
     """Return the inequality of one barrier.
 
     With q = 2 sigma b (most push), it uses (c + q)^2 <= (1 + r) c^2 + (1 + 1/r) q^2 for every r >
     0.
     """
+    name, alpha, weight, lost = astuple(disturbed.barriers[k])
     # Inequality 2 of docs/level5.md; `spare` is its r_i.
     zero, gamma, gain = arb(0), decay(full, disturbed), arb(alpha)
     first = [
@@ -261,6 +275,7 @@ def _barrier_inequalities(
         return [*first, split]
     moved = 2 * arb(of.sigma) * factor(full) * most_push(full, disturbed)
     needed = gain * tightening(of) + (1 + 1 / spare) * moved**2 / rest
+    needed += kicked_barrier(disturbed, k)
     claim = f"{name}: alpha t and what the push takes < lost"
     return [*first, split, Inequality(claim, needed, arb(lost))]
 

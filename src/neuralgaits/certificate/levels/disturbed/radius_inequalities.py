@@ -5,6 +5,11 @@ The argument is in docs/level5_radius.md. Needs no JAX.
 
 from flint import arb
 
+from neuralgaits.certificate.levels.disturbed.model_inequalities import (
+    jerk_drift,
+    most_error,
+    output_drift,
+)
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
 from neuralgaits.certificate.levels.full_order.hold_map import HoldErrors, face_matrix
 from neuralgaits.certificate.levels.full_order.inequalities import Inequality, bound_at
@@ -30,16 +35,17 @@ def face_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -
     at_tick = arb(disturbed.error) / w**2
     shrinks = 2 * arb(full.shrink) * arb(full.ends[1]) * arb(full.pace[1]) / w
     at_least = HoldErrors((still + slope * least) / w**2, at_tick)
+    drifts, drift_slope = _drifts(full, disturbed)
     return [
         _definite(
             "the least radius is above what holds keep outputs at: N at the least radius is "
             "positive definite",
-            (w * hold, least, at_least, zero),
+            (w * hold, least, at_least, (drifts + drift_slope * least) / w),
         ),
         _definite(
             "outputs in holds fall faster than their bound shrinks: the slope of N in it is "
             "positive definite",
-            (w * hold, arb(1), HoldErrors(slope / w**2, zero), shrinks),
+            (w * hold, arb(1), HoldErrors(slope / w**2, zero), shrinks + drift_slope / w),
         ),
     ]
 
@@ -76,9 +82,23 @@ def _halves(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[ar
     It is first + second R, R being the bound on sqrt(V) at the tick.
     """
     half, push = arb(disturbed.hold) / 2, abs(arb(disturbed.jerk_push))
-    still = abs(arb(disturbed.jerk)) + push * arb(disturbed.peak[0])
-    slope = abs(arb(disturbed.growth_slope)) + push * arb(disturbed.peak[1])
-    return half * still, half * slope * beside_start(full)
+    of_model = jerk_drift(full, disturbed, most_error(full, disturbed))
+    still = abs(arb(disturbed.jerk)) + (push + of_model.second) * arb(disturbed.peak[0])
+    slope = abs(arb(disturbed.growth_slope)) + (push + of_model.second) * arb(disturbed.peak[1])
+    slope += of_model.third
+    return half * (still + of_model.first), half * slope * beside_start(full)
+
+
+def _drifts(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[arb, arb]:
+    """Return (first, second): what other robots' links add to sqrt(V) per second [rad/s].
+
+    It is first + second R, as in `_halves`. Without a torque outputs drift on for the rest of the
+    hold, which makes what was added longer by at most the norm of (1, 0; 2 w T, 1).
+    """
+    drift, angle = output_drift(disturbed), arb(full.bandwidth) * arb(disturbed.hold)
+    longer = angle + (1 + angle**2).sqrt()
+    slope = drift.second * arb(disturbed.peak[1]) + drift.third
+    return longer * drift.at(arb(disturbed.peak[0]), arb(0)), longer * slope * beside_start(full)
 
 
 def beside_start(full: FullOrderConstants) -> arb:

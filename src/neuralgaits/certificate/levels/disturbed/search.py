@@ -32,6 +32,7 @@ class DisturbedSearch(LevelSearch):
             gains=gains,
             error=target.control.error,
             state_error=target.control.state_error,
+            model_box=target.control.model_box,
         )
         return constants if isinstance(constants, str) else (constants, {})
 

@@ -10,6 +10,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from neuralgaits.certificate.chart import Corner
+from neuralgaits.certificate.levels.disturbed.model_theorem import (
+    MODEL_LENGTHS,
+    MODEL_SERIES,
+    model_premises,
+)
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.premises import Premise
 
@@ -73,6 +78,27 @@ class DisturbedConstants:
             bound at their phase [rad].
         state_slopes: bounds on |S e| of torques of such states, to first order [rad/s^2], and on
             its growth with itself [1].
+        model_box: errors of the file's masses [1], centres of mass along and across [m] and
+            inertias [1], of each type of link; empty, like the rest, if the robot is the file's.
+        model_axes: half axes of an ellipsoid that holds the shares of `LinkShares` (1, m, m^2).
+        model_metric: Q of rates and accelerations that other robots have more of, an upper
+            triangular matrix over the coordinates, row by row from its diagonal on.
+        model_moves: bounds on what such shares add to each of `Moves`, under exact torques, where
+            outputs are zero.
+        model_moves_slope: bounds on the slopes of these in xi [per rad].
+        model_pushes: bounds on their slopes in S e [per rad/s^2].
+        model_feeds: bounds on what a unit of Q ddq adds to acceleration, output, momentum, pace and
+            contact of `Feeds`.
+        model_errors: bounds on the slope of S e in Q dq at a constant torque, on its growth with
+            S e, and on the slope of the slacks of contact in Q ddq.
+        model_slopes: bounds on the slope of each barrier in z2 [h s/(kg m^2)], where a step starts.
+        model_curvature: bounds on second derivatives of xi in the rate of z1 and z2, and in z2
+            twice, as in `output_curvature`.
+        model_impacts: bounds on what shares add to each of `Landed`, where outputs are zero.
+        model_impacts_slope: bounds on the slopes of these in xi [per rad].
+        model_impulses: bounds on the slopes of the impulse's slacks in Q dq after an impact, and of
+            their slopes in shares.
+        model_peaks: bounds on what shares add to Q ddq under any error, and to Q dq in an impact.
     """
 
     push: tuple[float, float]
@@ -97,6 +123,20 @@ class DisturbedConstants:
     state_moves: tuple[float, ...] = ()
     state_radius: float = 0.0
     state_slopes: tuple[float, ...] = ()
+    model_box: tuple[float, ...] = ()
+    model_axes: tuple[float, ...] = ()
+    model_metric: tuple[float, ...] = ()
+    model_moves: tuple[float, ...] = ()
+    model_moves_slope: tuple[float, ...] = ()
+    model_pushes: tuple[float, ...] = ()
+    model_feeds: tuple[float, ...] = ()
+    model_errors: tuple[float, ...] = ()
+    model_slopes: tuple[float, ...] = ()
+    model_curvature: tuple[float, ...] = ()
+    model_impacts: tuple[float, ...] = ()
+    model_impacts_slope: tuple[float, ...] = ()
+    model_impulses: tuple[float, ...] = ()
+    model_peaks: tuple[float, ...] = ()
 
     def __post_init__(self):
         """Refuse lists of other lengths. Raises: ValueError."""
@@ -106,6 +146,11 @@ class DisturbedConstants:
             raise ValueError(
                 "errors of a measured state without two bounds, three moves, two slopes"
             )
+        lengths = {name: len(getattr(self, name)) for name in MODEL_LENGTHS}
+        if lengths != (MODEL_LENGTHS if self.model_axes else dict.fromkeys(lengths, 0)):
+            raise ValueError("errors of the model without their bounds")
+        if len(self.model_slopes) != (len(self.barriers) if self.model_axes else 0):
+            raise ValueError("errors of the model without a slope of each barrier")
 
     @property
     def scheduled(self) -> bool:
@@ -121,6 +166,11 @@ class DisturbedConstants:
     def measured(self) -> bool:
         """Return whether torques are of a measured state, and not of the true one."""
         return bool(self.state_error)
+
+    @property
+    def of_other_robots(self) -> bool:
+        """Return whether the robot may have other links than the file's."""
+        return bool(self.model_box)
 
 
 def slope_output(exact: bool) -> str:
@@ -153,6 +203,8 @@ def series(disturbed: DisturbedConstants) -> dict[str, tuple[float, ...]]:
         lists["state_axes"] = disturbed.state_axes
         lists["state_moves"] = *disturbed.state_moves, disturbed.state_radius
         lists["state_slopes"] = disturbed.state_slopes
+    if disturbed.of_other_robots:
+        lists |= {name: getattr(disturbed, name) for name in MODEL_SERIES}
     return lists
 
 
@@ -196,6 +248,9 @@ def premises(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Pr
             Premise("disturbed/state-error", *tube, sign="not negative"),
             Premise("disturbed/state-growth", *tube, sign="not negative"),
         ]
+    if disturbed.of_other_robots:
+        names = (barrier.name for barrier in disturbed.barriers)
+        required += model_premises(full, names, disturbed.kick_end)
     return required
 
 

@@ -21,6 +21,7 @@ from neuralgaits.certificate.levels.full_order.held import (
     slope_bound,
 )
 from neuralgaits.certificate.levels.full_order.hold_map import hold_shares
+from neuralgaits.certificate.levels.full_order.model_room import ModelRoom
 from neuralgaits.certificate.levels.full_order.samples import GaitSamples, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
@@ -139,6 +140,8 @@ class NormPlans:
         if samples.kick is not None:
             first, along, more = samples.kick
             self.kick = first @ matrix.T, matrix @ along @ inverse_pair, matrix @ more @ inverse
+        self.model = ModelRoom.of(samples, matrix, pair)
+        self.jerk = self.jerk._replace(still=self.jerk.still + self.model.growth)
         # Four times the largest pace, in which outputs off zero have a part, bounds the shrinking.
         pace = samples.pace * (4.08 * 1.04 if held else 4.25 * 1.1)
         self.shrink, self.strip = self.gamma / pace, STRIP_OF_HELD if held else STRIP
@@ -170,10 +173,13 @@ class NormPlans:
         radius, kick = 0.0, Kick()
         for _ in range(4 if self.kick else 1):  # What an impact adds depends on the radius.
             kick = self._kicked(hold, bounds, floor + (radius - floor) * left, radius)
-            radius = growth * floor * (1.0 - left) / (1.0 - growth * left)
+            landed = self.model.landed / full
+            radius = (growth * floor * (1.0 - left) + landed) / (1.0 - growth * left)
             if self.kick:
-                added = self.factor * hold * (kick.mean + self.rest) / full
+                mean = kick.mean + self.rest + self.model.drift / self.factor
+                added = self.factor * hold * mean / full
                 decayed = math.exp(-0.5 * self.gamma * hold) * growth
+                added += decayed / growth * landed
                 kicked = (decayed * floor * (1.0 - left) + added) / (1.0 - decayed * left)
                 radius = max(radius, kicked)
         if radius > self.largest:
@@ -193,7 +199,7 @@ class NormPlans:
         if not (HELD_SPARE * need <= value)[early, contact].all():
             return none
         before = floor + (radius - floor) * math.exp(-slower * self.shrink * self.strip**2)
-        push = bounds.push[0] + bounds.push[1] * radius
+        push = bounds.push[0] + bounds.push[1] * radius + self.model.drift / self.factor
         if self.kick:
             push = max(push, 0.5 * self.gamma * hold * (kick.mean + self.rest))
         sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.samples.inlet)))
@@ -209,8 +215,16 @@ class NormPlans:
             return slower, 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
         grown, slope = self.jerk.halves(hold, bounds)
         shares = hold_shares(self.w, hold, slope)
+        # Other robots add w^2 sqrt(5)/2 times their drift to the jerk of the outputs.
+        grown += 0.5 * hold * 0.5 * math.sqrt(5.0) * self.w**2 * self.model.drift
         floor = 1.02 * shares.floor * (grown + self.error) / self.w**2
-        return min(0.99 * 2.0 * shares.shrink / self.gamma, 1.0), floor
+        angle = self.w * hold
+        longer = angle + math.sqrt(1.0 + angle * angle)
+        left = shares.shrink - 1.7 * longer * self.model.slope
+        if left <= 0.0:
+            return 0.0, math.inf
+        floor = floor * shares.shrink / left + 1.02 * longer * self.model.drift / left
+        return min(0.99 * 2.0 * left / self.gamma, 1.0), floor
 
     def _hold_bounds(self, hold: float) -> Held:
         """Bound errors of a hold, that of the law at xi = 0 included."""
@@ -268,6 +282,7 @@ class NormPlans:
         """
         c, read = self.coupling[:, i], self.reading[i]
         value = 0.97 * (self.samples.rate.value[:, i] + GAINS[:, None] * self.samples.h[:, i])
+        with_model = value - self.model.barriers[:, i]
         rest = self.gamma - GAINS
         middle = c.max() / (2.0 * self.factor * push)
         sigma = np.concatenate(
@@ -276,10 +291,11 @@ class NormPlans:
         sigma = sigma[sigma > 0.0]
         tight = read**2 / (4.0 * sigma)
         inlet = 0.95 * self.samples.inlet[i] - self.reset[i] * before - tight
+        inlet = inlet - self.model.landed_barriers[i]
         lost = (c + 2.0 * sigma[:, None, None] * self.factor * push) ** 2 / (
             4.0 * sigma[:, None, None] * rest[:, None]
         )
-        room = (value - lost).min(axis=2) - GAINS * tight[:, None]
+        room = (with_model - lost).min(axis=2) - GAINS * tight[:, None]
         # Level 4 takes the least rate and the largest coupling, wherever each is.
         still = 0.94 * value.min(axis=1) - c.max() ** 2 * 1.1 / (4.0 * sigma[:, None] * rest)
         still = (still - GAINS * tight[:, None]).max(axis=1)

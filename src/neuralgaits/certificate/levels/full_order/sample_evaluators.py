@@ -18,6 +18,7 @@ from neuralgaits.certificate.levels.full_order.measured_state import (
     weighted_error_slopes,
 )
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
+from neuralgaits.certificate.levels.full_order.model_errors import sampled_effects, sampled_impacts
 from neuralgaits.certificate.levels.full_order.norm import find_plan, find_widest
 from neuralgaits.certificate.levels.full_order.norm_plans import Plan
 from neuralgaits.certificate.levels.full_order.samples import (
@@ -26,6 +27,7 @@ from neuralgaits.certificate.levels.full_order.samples import (
     SampleEvaluators,
     WithPushSlopes,
     WithSlopes,
+    model_samples,
     sensed_errors,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -52,6 +54,7 @@ def set_of(
     free_clock: bool = False,
     error: float = 0.0,
     state_error: tuple[float, float] | None = None,
+    model_box: tuple[float, float, float] | None = None,
     evaluators: SampleEvaluators | None = None,
 ) -> FullOrderConstants | str:
     """Return the largest set tried whose constants fit together, or a sentence with the reason.
@@ -64,6 +67,8 @@ def set_of(
         error: leave room in them for torques that are off by |S e| when they are set [rad/s^2].
         state_error: leave room in them for torques of states that are off by that much in each
             angle and each rate (rad, rad/s).
+        model_box: leave room in them for robots whose masses [1], centres of mass [m] and inertias
+            [1] are off by that much.
         evaluators: `evaluators_of` the model, made here if they are not given.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
@@ -71,7 +76,9 @@ def set_of(
     evaluators = evaluators or evaluators_of(model)
     reason = ""
     w = float(model.bandwidth)
-    samples = sample_gait(evaluators, free_clock, state_error) if pushed or widest else None
+    samples = None
+    if pushed or widest:
+        samples = sample_gait(evaluators, free_clock, state_error, model_box)
     half_width = SMALL
     plan_shares = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.
     if widest:
@@ -207,6 +214,8 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         lambda u: off(u, np.zeros((len(u), size + m))),
         _evaluator(kick, size),
         lambda u: errors(u, np.zeros((len(u), size))),
+        _evaluator(partial(sampled_effects, model), size),
+        _evaluator(partial(sampled_impacts, model), size),
     )
 
 
@@ -227,6 +236,7 @@ def sample_gait(
     evaluators: SampleEvaluators,
     free_clock: bool = False,
     state_error: tuple[float, float] | None = None,
+    model_box: tuple[float, float, float] | None = None,
 ) -> GaitSamples | None:
     """Evaluate the points that a search for a norm needs; None if the gait has no set at all."""
     levels = np.linspace(0.0, 1.0, 5)
@@ -269,6 +279,7 @@ def sample_gait(
         inertia=inertia,
         kick=_kicks(evaluators, levels) if free_clock else None,
         sensed=None if state_error is None else sensed_errors(evaluators, u, state_error),
+        model=None if model_box is None else model_samples(evaluators, u, impact, model_box),
     )
 
 

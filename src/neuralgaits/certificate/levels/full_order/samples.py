@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.robots.mjcf.link_shares import largest_shares
 
 Samples = Mapping[str, np.ndarray]
 SampleEvaluator = Callable[[Float[np.ndarray, "n 2"], Float[np.ndarray, "n k"]], Samples]
@@ -28,6 +29,8 @@ class SampleEvaluators:
             in a push.
         sensed: slopes in (q, dq) of the error of a constant torque [n, m, 2n], its own in that
             error [n, m, 2n, m], of phase and level [n, 2, 2n] and of xi [n, 2m, 2n].
+        model: `ModelEffects` of links that are not the file's, by name, and "curvature".
+        landed: `ImpactEffects` of these.
     """
 
     step: SampleEvaluator
@@ -36,12 +39,15 @@ class SampleEvaluators:
     pushed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
     kick: SampleEvaluator | None = None
     sensed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
+    model: SampleEvaluator | None = None
+    landed: SampleEvaluator | None = None
 
     def in_norm(self, matrix: np.ndarray) -> "SampleEvaluators":
         """Return these functions with xi and pushes in the norm of S."""
         inverse = np.linalg.inv(matrix)
         inverse_pair = doubled(inverse)
         pushed, kick, sensed = self.pushed, self.kick, self.sensed
+        effects, landed = self.model, self.landed
 
         def converted(evaluator: SampleEvaluator) -> SampleEvaluator:
             return lambda u, xi: converted_samples(evaluator(u, xi @ inverse_pair.T), matrix)
@@ -76,8 +82,30 @@ class SampleEvaluators:
                 "growth": growth,
             }
 
+        def converted_effects(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
+            assert effects is not None
+            samples, pair = dict(effects(u, xi @ inverse_pair.T)), doubled(matrix)
+            for name in samples:
+                rows = {"output": pair, "curvature": pair, "growth": matrix, "error": matrix}
+                if (own := rows.get(name.split("/")[0])) is not None:
+                    samples[name] = np.einsum("ij,nj...->ni...", own, samples[name])
+                last = {"push": inverse, "slope": inverse_pair}.get(name.split("/")[-1])
+                samples[name] = samples[name] if last is None else samples[name] @ last
+            return samples
+
+        def converted_landed(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
+            assert landed is not None
+            samples = landed(u, xi @ inverse_pair.T)
+            along = {n: d @ inverse_pair for n, d in samples.items() if n.endswith("/slope")}
+            samples = {**samples, **along}
+            for name in ("output", "output/slope"):
+                samples[name] = np.einsum("ij,nj...->ni...", doubled(matrix), samples[name])
+            return samples
+
         return replace(
             self,
+            model=None if effects is None else converted_effects,
+            landed=None if landed is None else converted_landed,
             step=converted(self.step),
             guard=converted(self.guard),
             pushed=None if pushed is None else converted_pushed,
@@ -132,6 +160,7 @@ class GaitSamples:
             it; a push is in that from before. None if there is a tick at each touchdown.
         sensed: what errors of the state, each as large as allowed, add to the outputs'
             acceleration. None for the true state. [n, m, 2n]
+        model: effects of other robots than the file's; None for the file's.
     """
 
     slack: WithPushSlopes
@@ -148,6 +177,49 @@ class GaitSamples:
     inertia: np.ndarray
     kick: WithPushSlopes | None = None
     sensed: np.ndarray | None = None
+    model: "ModelSamples | None" = None
+
+
+class ModelSamples(NamedTuple):
+    """Effects of other robots' shares, each as large as allowed, in plain coordinates xi.
+
+    Attributes:
+        output, momentum: what they add to the rate of xi [n, 2m, K] and to that of z2 [n, K].
+        along: slope in xi of the former. [n, K, 2m, 2m]
+        growth: what they add to that of e under held torques. [n, m, K]
+        barriers: slope of each barrier in z2. [n, I]
+        landed, landed_momentum: what they add in an impact to xi [q, 2m, K] and to z2 [q, K].
+    """
+
+    output: np.ndarray
+    along: np.ndarray
+    momentum: np.ndarray
+    growth: np.ndarray
+    barriers: np.ndarray
+    landed: np.ndarray
+    landed_momentum: np.ndarray
+
+
+def model_samples(
+    evaluators: SampleEvaluators,
+    u: np.ndarray,
+    impact: np.ndarray,
+    box: tuple[float, float, float],
+) -> ModelSamples:
+    """Return the effects of robots of a box at points of the step and at impacts."""
+    assert evaluators.model is not None and evaluators.landed is not None
+    seen = evaluators.model(u, np.zeros((len(u), evaluators.size)))
+    after = evaluators.landed(impact, np.zeros((len(impact), evaluators.size)))
+    off = np.repeat(largest_shares(box), seen["momentum"].shape[1] // 5)
+    return ModelSamples(
+        seen["output"] * off,
+        np.moveaxis(seen["output/slope"], 2, 1) * off[:, None, None],
+        seen["momentum"] * off,
+        seen["growth"] * off,
+        seen["barriers"],
+        after["output"] * off,
+        after["momentum"] * off,
+    )
 
 
 def sensed_errors(

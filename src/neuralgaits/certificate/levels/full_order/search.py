@@ -40,6 +40,7 @@ class FullOrderSearch(LevelSearch):
                 free_clock=control.free_clock,
                 error=control.error,
                 state_error=control.state_error,
+                model_box=control.model_box,
                 evaluators=evaluators,
             )
         except SpecError as error:  # The levels below read less of the robot.
