@@ -72,8 +72,9 @@ def refusal(text):
         (SOLE.replace("/>", ' pos="0 0 0.1"/>'), "the ankle of foot foot is not above its sole"),
         (
             SOLE.replace('"/>', '" pos="-0.1 0 -0.25"/>'),
-            "body foot is no foot that is treated: make it a flat one, whose sole is level, along "
-            "the robot, and longer than its ankle is high",
+            "body foot is no foot that is treated: with its joint it is 240 mm long and 280 mm "
+            "high; make it a flat one, whose sole is level, along the robot, and longer than its "
+            "ankle is high",
         ),
     ],
 )

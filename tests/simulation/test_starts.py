@@ -1,4 +1,5 @@
 import jax.numpy as jnp
+import mujoco
 import numpy as np
 import pytest
 
@@ -7,7 +8,11 @@ from neuralgaits.analysis.poincare_map import motion_of
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.robots import load_robot
+from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
+from neuralgaits.simulation.walk import plant_states
 
 
 @pytest.fixture(scope="module")
@@ -72,3 +77,20 @@ def test_momenta_of_the_region_bound_those_of_its_states(zd, gait):
 def test_another_start_is_refused(zd, gait):
     with pytest.raises(InputError, match="expected one of centre, region, fixed-point"):
         full_states(zd, gait, "middle", seed=0, episodes=1)
+
+
+@pytest.mark.parametrize("slope_deg", [-3.0, 0.0, 2.0])
+def test_a_flat_stance_foot_begins_on_the_slope_and_not_inside_of_it(slope_deg):
+    plant = build(load_robot("amber3m-feet"), PlantChanges(slope_deg=slope_deg))
+    data = mujoco.MjData(plant.model)
+    start = np.zeros((1, 2 * plant.robot.n))
+    start[0, :2] = 0.2, -0.3
+    data.qpos[:] = plant_states(plant, start)[0, 1 : 1 + plant.model.nq]
+    mujoco.mj_kinematics(plant.model, data)
+    sole = plant.model.geom("sole_left").id
+    slope = np.radians(slope_deg)
+    along, up = np.array([np.cos(slope), np.sin(slope)]), np.array([-np.sin(slope), np.cos(slope)])
+    axis = data.geom_xmat[sole].reshape(3, 3)[[0, 2], 0]
+    np.testing.assert_allclose(axis, along, atol=1e-12)
+    above = up @ data.geom_xpos[sole][[0, 2]] - plant.model.geom_size[sole, 2]
+    assert above == pytest.approx(0.0, abs=1e-12)

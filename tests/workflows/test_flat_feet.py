@@ -7,7 +7,7 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.errors import SpecError
+from neuralgaits.errors import InputError, SpecError
 from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.setup.plant import build
@@ -59,15 +59,17 @@ def test_proved_to_level_3_and_no_further(run):
     found = ng.certify(run)
     assert found.summary.verdict == "proved"
     assert [(entry.level, entry.proved) for entry in found.summary.levels] == [(2, True), (3, True)]
-    assert "it is about point feet" in str(ng.certify(run, level=4).summary.levels[-1].reason)
+    for level in (4, 5):
+        with pytest.raises(InputError, match=f"on flat feet, found {level}: .* about point feet"):
+            ng.certify(run, level=level)
+    assert run.config.on_flat_feet and run.config.last_level == 3
     with pytest.raises(SpecError, match="it is about point feet"):
         FullOrderModel(run.robot, run.gait, run.spec)
 
 
 def test_floors_of_unknown_height_are_of_point_feet(run):
-    found = ng.certify(run, parameters={"floor": 0.005}).summary
-    assert found.verdict != "proved"
-    assert "floors of unknown height are about point feet" in str(found.levels[0].reason)
+    with pytest.raises(InputError, match="floors of unknown height are about point feet"):
+        ng.certify(run, parameters={"floor": 0.005})
 
 
 @pytest.mark.parametrize(

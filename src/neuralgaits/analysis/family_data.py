@@ -12,6 +12,7 @@ from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit
+from neuralgaits.gait.zero_coordinates import momentum_of
 
 VALUES = 7
 """Number of values of a command over its range: odd, so that the middle is one of them."""
@@ -65,7 +66,7 @@ def _orbit_at(run: Run, command: dict[str, float], level: float) -> _OrbitAt:
     mesh = Mesh.of_gait(chart.start, chart.guard, nodes)
     low, high = 0.5 * chart.section(2) ** 2
     orbit = orbit_near(motion, float(np.sqrt(2.0 * (low + level * (high - low)))), mesh)
-    orbit_level = float((0.5 * orbit.fixed_point[1] ** 2 - low) / (high - low))
+    orbit_level = float((0.5 * momentum_of(orbit.fixed_point) ** 2 - low) / (high - low))
     if 0.0 <= orbit_level <= 1.0:
         return _OrbitAt(steady, motion, chart, mesh, orbit, orbit_level)
     # What Newton's method finds outside of the fences is not of this gait.

@@ -14,6 +14,7 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float
 from neuralgaits.gait.runge_kutta import DOPRI5
+from neuralgaits.gait.zero_coordinates import momenta_of, positions_of
 
 Quantity = Callable[[np.ndarray], np.ndarray]
 """Function of states [N, 2] (m, kg m^2/s)."""
@@ -139,8 +140,8 @@ def _rate(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:
     """Return slopes of (z1, z2, t) in z1. [N, 3]."""
     dz = motion.dz(y[:, :2])
     stopped = 1e-3  # Velocity of the hip [m/s].
-    pace = np.where(dz[:, 0] > stopped, dz[:, 0], np.nan)
-    return np.stack([np.ones(len(y)), dz[:, 1] / pace, 1.0 / pace], axis=1)
+    pace = np.where(positions_of(dz) > stopped, positions_of(dz), np.nan)
+    return np.stack([np.ones(len(y)), momenta_of(dz) / pace, 1.0 / pace], axis=1)
 
 
 def _step(motion: FlowQuantities, y: np.ndarray, h: np.ndarray) -> np.ndarray:

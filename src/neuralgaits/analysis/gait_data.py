@@ -14,6 +14,7 @@ from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, qua
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Barrier
 from neuralgaits.errors import RunError
+from neuralgaits.gait.zero_coordinates import momentum_of, positions_of
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, WEIGHTS
@@ -95,7 +96,7 @@ def _chart(evaluate: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
         "chart/z": z,
         "chart/margins": tube.margins(values, at_phase, at_level),
         "chart/barriers": tube.barriers(values, at_phase.shape),
-        "fences/z1": z[0, :, 0],
+        "fences/z1": positions_of(z[0]),
         "fences/z2": tube.fences(phase),
         "guard/z": z[:, -1],
         "guard/z_after": values["z_after"].reshape(*at_phase.shape, 2)[:, -1],
@@ -139,7 +140,7 @@ def _orbit(
         "orbit/margins": tube.margins(values, phase, level),
         "orbit/barriers": tube.barriers(values, phase.shape),
         "orbit/numbers": np.array(
-            [orbit.fixed_point[1], orbit.multiplier, orbit.period_s, orbit.step_length_m]
+            [momentum_of(orbit.fixed_point), orbit.multiplier, orbit.period_s, orbit.step_length_m]
         ),
     }
 
@@ -155,7 +156,7 @@ def _walks(motion: FlowQuantities, tube: PlaneChart) -> dict[str, np.ndarray]:
         pieces.append(path.z)
         state = np.array(motion.z_after(path.z[-1]))
         # One line for both needs one z1; resets differ by what a free policy leaves.
-        state[:, 0] = state[:, 0].mean()
+        positions_of(state)[:] = positions_of(state).mean()
     gap = np.full((1, 2), np.nan)
     lines = [part for side in (0, 1) for piece in pieces for part in (piece[:, side], gap)]
     return {"walks/z": np.concatenate(lines) if lines else gap}

@@ -14,6 +14,7 @@ from neuralgaits.analysis.flow import FlowQuantities, Mesh, Swing, returns, swin
 from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
+from neuralgaits.gait.zero_coordinates import position_of
 
 
 def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
@@ -31,7 +32,7 @@ def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
     motion, mesh = motion_of(zd), Mesh.of_leg(zd.robot.layout.leg_length)
     with np.errstate(all="ignore"):
         start = z0[None]
-        if z0[0] > 0.0:
+        if position_of(z0) > 0.0:
             start = motion.z_after(swing(motion, start, mesh).z[-1])
         return orbit_near(motion, float(to_section(motion, start, mesh)[0, 1]), mesh)
 

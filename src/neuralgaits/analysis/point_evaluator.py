@@ -11,6 +11,7 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.zero_coordinates import momenta_of, positions_of
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
@@ -121,9 +122,9 @@ class PlaneChart:
 
     def chart(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the phase and level of states. [...]."""
-        phase = (z[..., 0] - self.start) / (self.guard - self.start)
+        phase = (positions_of(z) - self.start) / (self.guard - self.start)
         low, high = 0.5 * self.fences(phase) ** 2
-        return phase, (0.5 * z[..., 1] ** 2 - low) / (high - low)
+        return phase, (0.5 * momenta_of(z) ** 2 - low) / (high - low)
 
     def margins(self, values: dict[str, np.ndarray], phase: Any, level: Any) -> np.ndarray:
         """Return each condition's least margin where it applies, else NaN. [c, ...]."""

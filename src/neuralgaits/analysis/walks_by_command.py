@@ -18,6 +18,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import CommandLimits, Commands, Pair
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
+from neuralgaits.gait.zero_coordinates import momenta_of
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
@@ -68,13 +69,13 @@ def _walk_under(
     nodes = 16  # Steps of the flow over a step of the robot: errors near 1e-8 of z2.
     mesh = Mesh.of_gait(chart.start, chart.guard, nodes)
     z, before = chart.z(np.zeros(2), np.array([0.0, 1.0])), sequence[0]
-    momenta, paths = [z[:, 1]], []
+    momenta, paths = [momenta_of(z)], []
     with np.errstate(all="ignore"):
         for after in sequence:
             motion = flow_of(np.concatenate([before, after]))
             path = swing(motion, z, mesh).z
             z, before = motion.z_after(path[-1]), after
-            momenta.append(z[:, 1])
+            momenta.append(momenta_of(z))
             paths.append(path)
     return CommandWalks(sequence, np.stack(momenta), tuple(paths))
 

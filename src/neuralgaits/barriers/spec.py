@@ -155,6 +155,10 @@ class GaitSpec:
                         f"spec {self.name!r}: expected a printable name without a slash for each "
                         f"{what}, found {why}; rename it"
                     )
+        for name, boxes in self.regions.items():
+            for box in boxes:
+                if why := box.why_not_of(self.chart_size):
+                    raise SpecError(f"region {name!r} of spec {self.name!r}: {why}")
         repeated = sorted({name for name in names if names.count(name) > 1})
         if repeated:
             raise SpecError(

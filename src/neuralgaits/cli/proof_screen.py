@@ -63,7 +63,8 @@ def _urgency(item: tuple[str, ConditionVerdict]) -> tuple[bool, float]:
 def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
     point, detail = entry.counterexample, ""
     if point is not None:
-        detail = f"{point.margin:.3g} at z = ({point.z[0]:.6g}, {point.z[1]:.6g})"
+        z = ", ".join(f"{value:.6g}" for value in point.z)
+        detail = f"{point.margin:.3g} at z = ({z})"
     elif entry.verdict == "undecided":
         left = f"{entry.undecided_boxes} boxes left"
         detail = "proved in this part" if entry.proved_in_part else left

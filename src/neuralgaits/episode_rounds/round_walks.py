@@ -21,6 +21,7 @@ from neuralgaits.control.controlled_gait import law_for
 from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.logs import Log
 from neuralgaits.logs.satisfaction import satisfaction
 from neuralgaits.records.episode_records import Shares, WalkedRound
@@ -67,7 +68,7 @@ def nominal_momentum(run: Run) -> float:
     """Return z2 of the model's orbit at z1 = 0, or of the tube's middle if there is no orbit."""
     orbit = periodic_orbit(run.zero_dynamics, run.gait)
     if orbit.result == "found":
-        return float(orbit.fixed_point[1])
+        return float(momentum_of(orbit.fixed_point))
     phase = float(run.gait.phase(jax.numpy.zeros(())))
     return float(run.gait.z(jax.numpy.array([phase, 0.5]))[1])
 

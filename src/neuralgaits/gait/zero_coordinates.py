@@ -56,6 +56,16 @@ def momentum_of(z: ZeroState) -> Any:
     return z[1]
 
 
+def positions_of(states: Any) -> Any:
+    """Return the position of each of many states with one, or its rate. [..., 2] to [...]."""
+    return states[..., 0]
+
+
+def momenta_of(states: Any) -> Any:
+    """Return the momentum of each of many states with one, or its rate. [..., 2] to [...]."""
+    return states[..., 1]
+
+
 @dataclass(frozen=True)
 class ZeroCoordinates:
     """Map between full states and zero dynamics states of a mechanism. Single states."""

@@ -19,6 +19,7 @@ from neuralgaits.barriers import Fence, Gait, GaitSpec, Inlet
 from neuralgaits.barriers.hzd import FENCE_DEGREE, empty_tube
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.tubes import Tube
+from neuralgaits.gait.zero_coordinates import momenta_of, position_of, positions_of
 from neuralgaits.hzd.given_orbit import Steady
 
 KEPT = 0.25
@@ -35,11 +36,11 @@ def fit_tube(zd: ZeroDynamics, spec: GaitSpec, walk: Steady) -> Tube:
         spec: the spec `hzd`.
         walk: periodic orbit of the gait.
     """
-    start, guard = float(walk.z[0, 0]), float(walk.z[-1, 0])
+    start, guard = float(position_of(walk.z[0])), float(position_of(walk.z[-1]))
     bare = empty_tube(zd.robot, (start, guard))
     unit = float(bare.unit)
-    phase = (walk.z[:, 0] - start) / (guard - start)
-    zeta = 0.5 * walk.z[:, 1] ** 2 / unit
+    phase = (positions_of(walk.z) - start) / (guard - start)
+    zeta = 0.5 * momenta_of(walk.z) ** 2 / unit
     middle = chebyshev.chebfit(2.0 * phase - 1.0, zeta, FENCE_DEGREE)
     widening = 1.0 / np.sqrt(walk.multiplier)
     # 1 at phase 0, `widening` at phase 1.
@@ -86,8 +87,8 @@ def _room(zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady) -> Cal
             smallest[name] = float(margins[inside].min())
         return smallest
 
-    start, guard = float(walk.z[0, 0]), float(walk.z[-1, 0])
-    orbit = least((walk.z[:, 0] - start) / (guard - start), walk.z)
+    start, guard = float(position_of(walk.z[0])), float(position_of(walk.z[-1]))
+    orbit = least((positions_of(walk.z) - start) / (guard - start), walk.z)
     needed = {name: KEPT * margin for name, margin in orbit.items() if margin > 0.0}
     phases = np.linspace(0.0, 1.0, PHASES)
 

@@ -12,6 +12,7 @@ import numpy as np
 from neuralgaits._types import Bool, Float, Int
 from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
+from neuralgaits.gait.zero_coordinates import momenta_of, positions_of
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.logs.zero_states import foot_heights, zero_states
@@ -130,8 +131,8 @@ def _ranges(log: Log, robot: SensedRobot) -> Iterator[_Range]:
         length = robot.layout.leg_length
         # |z2| stays below this many mass * leg length * sqrt(g leg length).
         fall = 3.0 * float(robot.mass) * length * np.sqrt(float(robot.gravity) * length)
-        yield _Range("z1", log.z[:, 0], -reach, reach, "m")
-        yield _Range("z2", log.z[:, 1], -fall, fall, "kg m^2/s")
+        yield _Range("z1", positions_of(log.z), -reach, reach, "m")
+        yield _Range("z2", momenta_of(log.z), -fall, fall, "kg m^2/s")
 
 
 def _are_many(bad: Bool[np.ndarray, " k"]) -> bool:
@@ -260,7 +261,7 @@ def _check_model(log: Log, robot: SensedRobot, good: Bool[np.ndarray, " k"]) -> 
         return
     z = zero_states(robot, log.q[good], log.dq[good])
     error = np.median(np.abs(z - log.z[good]), axis=0)
-    usual = float(np.median(np.abs(z[:, 1])))
+    usual = float(np.median(np.abs(momenta_of(z))))
     z2_share = 0.02  # Of the median |z2|: contact creep leaves 0.4 %, another torso's mass 3 %.
     for value, allowed, name in (
         (error[0], 1e-3, "z1[m]"),

@@ -13,6 +13,7 @@ import numpy as np
 from neuralgaits._types import Bool, Float, Int
 from neuralgaits.control.measurement import SensedRobot
 from neuralgaits.errors import InputError
+from neuralgaits.gait.zero_coordinates import momenta_of
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.logs.zero_states import zero_states
 
@@ -163,7 +164,8 @@ def _settled_rows(
 
 def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: SensedRobot) -> Bool[np.ndarray, " k"]:
     """Find rows at which z2 has changed faster than weight can change it: an impact."""
-    rate = np.diff(z[:, 1], prepend=z[0, 1]) / np.diff(log.t, prepend=log.t[0] - log.period_s)
+    momenta = momenta_of(z)
+    rate = np.diff(momenta, prepend=momenta[0]) / np.diff(log.t, prepend=log.t[0] - log.period_s)
     # The standard deviation, robust against the impacts themselves.
     noise = 1.4826 * float(np.median(np.abs(rate - np.median(rate))))
     weight = float(robot.mass * robot.gravity) * robot.layout.leg_length

@@ -1,6 +1,6 @@
 """Result of `certify`: the summary of a certificate, and the parts that it is made of."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Annotated, Literal
@@ -44,6 +44,12 @@ class Counterexample:
     u: tuple[float, ...]
     z: Pair
     margin: float
+
+    def place(self, write: Callable[[float], str]) -> str:
+        """Return z in words: its numbers as written by a function, with their names and units."""
+        units = ("m", "kg m²/s")
+        named = enumerate(zip(self.z, units, strict=True), start=1)
+        return ", ".join(f"z{i} = {write(value)} {unit}" for i, (value, unit) in named)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Protocol
 
 from neuralgaits._checks import SEEDS
 from neuralgaits.errors import RunError
-from neuralgaits.records.level_words import HIGHEST, HIGHEST_OF_MANY
+from neuralgaits.records.level_words import HIGHEST, HIGHEST_OF_MANY, ORBIT_LEVEL
 from neuralgaits.records.record import Pair, Record, build, shape_of
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG
@@ -147,7 +147,18 @@ class TrainingConfig(Record):
     def last_level(self) -> int:
         """Highest level that a certificate of this run can reach."""
         many = self.described.get("parameters") or self.described.get("ground")
+        if self.on_flat_feet:
+            return ORBIT_LEVEL
         return HIGHEST_OF_MANY if self.commands or many else HIGHEST
+
+    @property
+    def on_flat_feet(self) -> bool:
+        """Whether a condition of the spec keeps a flat foot on the floor."""
+        quantities = (one.get("quantity") for one in self.described["conditions"])
+        return any(
+            isinstance(one, Mapping) and one.get("function") == "pressure_reserve"
+            for one in quantities
+        )
 
     @property
     def recipe_steps(self) -> int:

@@ -177,6 +177,9 @@ class RunFigures:
         if config.commands:
             line = repeat_commands.certifying(self.run.path, config.last_level)
             raise Absent("level 4 is about one gait, and this one takes commands", line)
+        if config.on_flat_feet:
+            line = repeat_commands.certifying(self.run.path, config.last_level)
+            raise Absent("level 4 is about point feet, and this robot has flat ones", line)
         if certificate.full is not None:
             caption = (
                 "Real joints never follow exactly. a) Over the states of the region, how large "

@@ -3,6 +3,7 @@
 import numpy as np
 
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.zero_coordinates import momenta_of, positions_of
 from neuralgaits.logs import Touchdowns
 from neuralgaits.records.fitted import ResetErrors, TouchdownErrors
 from neuralgaits.residual.reset import Landings, ResetResidual, landings
@@ -35,8 +36,8 @@ def _sizes(missed: Landings) -> ResetErrors:
     m = missed.eta.shape[1] // 2
     outputs, rates = missed.eta[:, :m], missed.eta[:, m:]
     return ResetErrors(
-        z1_m=_rms(missed.z[:, 0]),
-        z2_kg_m2_s=_rms(missed.z[:, 1]),
+        z1_m=_rms(positions_of(missed.z)),
+        z2_kg_m2_s=_rms(momenta_of(missed.z)),
         output_rad=_rms(np.linalg.norm(outputs, axis=1)),
         rate_rad_s=_rms(np.linalg.norm(rates, axis=1)),
     )

@@ -116,10 +116,9 @@ class StateMap:
         stance: Numbers | int,
         foot_xz: Numbers | tuple[float, float] = (0.0, 0.0),
         foot_velocity: Numbers | tuple[float, float] = (0.0, 0.0),
+        foot_pitch: float = 0.0,
     ) -> tuple[Numbers, Numbers]:
         """MuJoCo state with the stance foot's sphere centre, or its ankle, at a given place.
-
-        A flat stance foot is level.
 
         Args:
             q: coordinates [rad]. [..., n]
@@ -127,6 +126,7 @@ class StateMap:
             stance: 0 or 1. [...]
             foot_xz: stance-foot position in the world [m]. [..., 2]
             foot_velocity: its velocity [m/s]. [..., 2]
+            foot_pitch: pitch of a flat stance foot, which is level at 0; toe up positive [rad].
 
         Returns: qpos, qvel: [..., nq].
         """
@@ -135,6 +135,8 @@ class StateMap:
         layout = self.layout
         pitch, joints = self._from_order(stance, q)
         dpitch, djoints = self._from_order(stance, dq)
+        if self._still and foot_pitch:
+            joints[..., 0] -= foot_pitch * (np.arange(2) == stance[..., None])
         signs = np.array(layout.leg_joint_signs)
         qpos, qvel = np.zeros((*q.shape[:-1], self.nq)), np.zeros((*q.shape[:-1], self.nq))
         qpos[..., self.root[2]] = (pitch - layout.root_angle) * layout.pitch_sign

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from neuralgaits.gait.zero_coordinates import momenta_of
 from neuralgaits.logs import Log
 from neuralgaits.simulation.ticks.tick import TickRecord
 
@@ -26,7 +27,7 @@ def log_of(joint_names: tuple[str, ...], record: TickRecord, source: str) -> Log
         pitch=np.asarray(record.pitch),
         dpitch=np.asarray(record.dpitch),
         z=np.asarray(result.z),
-        z2_plant=np.asarray(record.z_plant[:, 1]),
+        z2_plant=np.asarray(momenta_of(record.z_plant)),
         rows=np.arange(1, 1 + len(record.time)),
         joint_names=joint_names,
         source=source,

@@ -245,12 +245,16 @@ def _plants(
 
 
 def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
-    """Return MuJoCo states of the starts, the stance foot rolling on the floor at x = 0."""
+    """Return MuJoCo states of the starts, the stance foot on the floor at x = 0.
+
+    A point foot rolls, a flat one lies on the floor's slope.
+    """
     q, dq = np.split(starts, 2, axis=1)
     # On a slope the sphere touches beside its lowest point.
     height = plant.robot.foot_radius * np.sqrt(1.0 + plant.slope**2)
     foot, rolling = (0.0, float(height)), rolling_foot(plant.robot, dq)
-    qpos, qvel = plant.state_map.to_mjcf(q, dq, 0, foot, rolling)
+    lying = float(np.arctan(plant.slope))
+    qpos, qvel = plant.state_map.to_mjcf(q, dq, 0, foot, rolling, lying)
     return np.concatenate([np.zeros((len(starts), 1)), qpos, qvel], axis=1)
 
 

@@ -12,7 +12,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.control.command_belief import SETTLED
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import LEAN, SLOPE, command_named, place_of
-from neuralgaits.gait.zero_coordinates import momentum_of
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
@@ -270,8 +270,8 @@ class LiveGait:
             phase, level = (float(value[0]) for value in self.chart.chart(z[None]))
         if not (0.0 <= phase <= 1.0 and 0.0 <= level <= 1.0 and momentum_of(z) > 0.0):
             return (
-                f"z = ({z[0]:.3f} m, {z[1]:.1f} kg m²/s) is outside of the region: "
-                "click between the two thick curves."
+                f"z = ({position_of(z):.3f} m, {momentum_of(z):.1f} kg m²/s) is outside of the "
+                "region: click between the two thick curves."
             )
         if not self._restart(z):
             return "The policy has no pose for that state."

@@ -6,6 +6,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 
 
 @dataclass(frozen=True)
@@ -65,9 +66,9 @@ class Portrait:
     def beyond(self, z: Float[np.ndarray, "2"]) -> str | None:
         """Return in words on which side a state is off the plane; None if it is in view."""
         sides = (
-            (z[1] > self.high[1], "▲ above the chart"),
-            (z[1] < self.low[1], "▼ below the chart"),
-            (z[0] < self.low[0], "◄ left of the chart"),
-            (z[0] > self.high[0], "► right of the chart"),
+            (momentum_of(z) > momentum_of(self.high), "▲ above the chart"),
+            (momentum_of(z) < momentum_of(self.low), "▼ below the chart"),
+            (position_of(z) < position_of(self.low), "◄ left of the chart"),
+            (position_of(z) > position_of(self.high), "► right of the chart"),
         )
         return next((words for is_there, words in sides if is_there), None)

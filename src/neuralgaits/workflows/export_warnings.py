@@ -11,10 +11,9 @@ def unproved_of_export(certificate: CertificateReading) -> list[str]:
     warnings = []
     for name, row in certificate.summary.conditions.items():
         if row.counterexample is not None:
-            z1, z2 = (f"{value:.4g}" for value in row.counterexample.z)
+            place = row.counterexample.place("{:.4g}".format)
             warnings.append(
-                f"this gait is refuted: {name} is broken at z1 = {z1} m, z2 = {z2} kg m^2/s, as "
-                "certify recorded"
+                f"this gait is refuted: {name} is broken at {place}, as certify recorded"
             )
     if left := certificate.summary.named("undecided"):
         warnings.append(f"not proved of this gait: {', '.join(left)}")

@@ -17,6 +17,7 @@ from neuralgaits.analysis.walk_log import GAIT_FILES
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
+from neuralgaits.gait.zero_coordinates import momenta_of
 from neuralgaits.logs import Split, Stride, Windows
 from neuralgaits.records.fitted import FitSummary, StrideCounts
 from neuralgaits.residual.fitter import FitConfig, Fitter
@@ -154,7 +155,7 @@ def _judging_windows(strides: Sequence[Stride]) -> Windows:
 def _scale(run: Run, strides: Sequence[Stride]) -> Float[np.ndarray, "2"]:
     """Return the units of errors: step length and median momentum (m, kg m^2/s)."""
     start, guard = (float(end) for end in run.gait.span)
-    momenta = np.concatenate([stride.z[:, 1] for stride in strides])
+    momenta = np.concatenate([momenta_of(stride.z) for stride in strides])
     return np.array([guard - start, np.median(np.abs(momenta))])
 
 

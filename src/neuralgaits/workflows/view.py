@@ -11,6 +11,7 @@ from neuralgaits._argument_types import type_checked
 from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.report.page.phrases import told_apart
 from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import ProgressCallbacks
@@ -118,7 +119,7 @@ class LiveView(LivePage):
             refused = walker.jump(z)
             if refused is None:
                 self._stage.restart()
-                return f"Put to z = ({z[0]:.3f} m, {z[1]:.2f} kg m²/s)."
+                return f"Put to z = ({position_of(z):.3f} m, {momentum_of(z):.2f} kg m²/s)."
             if client is not None:
                 client.add_notification(
                     "Not there", refused, auto_close_seconds=5.0, color="orange"

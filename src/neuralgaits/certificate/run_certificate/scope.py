@@ -8,11 +8,12 @@ import numpy as np
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.chart import Chart
+from neuralgaits.certificate.levels.walking_set.search import FLAT_ON_OTHER_FLOORS
 from neuralgaits.certificate.provable import refuse_many_axes, why_not_of_beliefs, why_not_robust
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
-from neuralgaits.records.level_words import HIGHEST_OF_MANY, WALKING_SET_LEVEL
+from neuralgaits.records.level_words import HIGHEST_OF_MANY, ORBIT_LEVEL, WALKING_SET_LEVEL
 from neuralgaits.robots.mjcf.parameters import axes_of, box_of
 from neuralgaits.robots.parameter_box import checked_box
 
@@ -77,6 +78,8 @@ def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float
             f"expected a run that walks on a coefficient of friction of {box['friction']:g}, found "
             f"{has}; train one with --parameters friction={box['friction']:g}"
         )
+    if "floor" in box and run.robot.feet is not None:
+        raise InputError(f"--parameters: {FLAT_ON_OTHER_FLOORS}; leave floor out")
     if "floor" in box and spec.commands:
         raise InputError(
             "expected a gait without commands with a floor of unknown height, found one that "
@@ -106,6 +109,12 @@ def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
         raise InputError(
             "expected level 2 or 3 with a floor of unknown height, found 1, which is about single "
             "states: raise --level, or leave floor out"
+        )
+    if run.robot.feet is not None and level > ORBIT_LEVEL:
+        raise InputError(
+            f"expected level 1, 2 or 3 for a robot on flat feet, found {level}: the theorem of "
+            "full order is about point feet, since a flat foot whose joints are off their targets "
+            "does not land flat; leave --level out"
         )
     if run.spec.commands and level > run.config.last_level:
         raise InputError(

@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 
 from neuralgaits._types import Float
 from neuralgaits.analysis.data import GaitData
+from neuralgaits.gait.zero_coordinates import momenta_of, positions_of
 from neuralgaits.report.drawing.style import GREY
 
 
@@ -39,8 +40,8 @@ def flow(
     streams = axes.streamplot(
         data["plane/z1"],
         data["plane/z2"],
-        finite[..., 0],
-        finite[..., 1],
+        positions_of(finite),
+        momenta_of(finite),
         color=colour,
         linewidth=width,
         arrowsize=0.7,
@@ -72,6 +73,6 @@ def heat_map(
     z = data["chart/z"]
     usual = {"cmap": "Blues", "norm": Normalize(0.0, float(values.max()))}
     style = usual | colours | {"shading": "gouraud", "rasterized": True}
-    mesh = panels[0].pcolormesh(z[..., 0], z[..., 1], values, **style)
+    mesh = panels[0].pcolormesh(positions_of(z), momenta_of(z), values, **style)
     bar = figure.colorbar(mesh, ax=panels, location="bottom", shrink=0.6, aspect=40)
     bar.set_label(name)

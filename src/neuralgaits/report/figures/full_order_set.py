@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from neuralgaits.analysis.data import GaitData
+from neuralgaits.gait.zero_coordinates import momenta_of, positions_of
 from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import (
     ALLOWED,
@@ -66,13 +67,15 @@ def draw(data: GaitData, full: FullOrderSet) -> Figure:
     plane.heat_map(figure, (left, right), data, most, name)
     sizes = [size for size in (0.5, 2.0, 5.0) if size < float(most.max())]
     if sizes:
-        lines = left.contour(z[..., 0], z[..., 1], most, sizes, colors=BLACK, linewidths=1.0)
+        lines = left.contour(
+            positions_of(z), momenta_of(z), most, sizes, colors=BLACK, linewidths=1.0
+        )
         left.clabel(lines, fmt=lambda size: f"{size:g} mrad", fontsize=9)
     plane.fences(left, data, color=BLUE, linewidth=2.0)
     left.plot([], [], color=BLUE, linewidth=2.0, label="$C_Z$: edge of the region, no error")
     left.plot([], [], color=BLACK, linewidth=1.0, label="$C_σ$: its slices at these errors")
     plane.label(left)
-    left.set_ylim(top=float(z[..., 1].max()) * 1.28)
+    left.set_ylim(top=float(momenta_of(z).max()) * 1.28)
     left.legend(loc="upper center", fontsize=9)
     panel(left, "a", "over the states of the region")
     _along(right, data, full, rooms, most)

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from neuralgaits.analysis.data import GaitData
+from neuralgaits.gait.zero_coordinates import momenta_of, positions_of
 from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import BLACK, RED, new_figure, panel, styled
 
@@ -78,7 +79,9 @@ def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None
     for number, row in enumerate(numbers[np.argsort(-counts)]):
         fill, hatch = fills[number % len(fills)]
         mask = (which == row).astype(float)
-        area = axes.contourf(z[..., 0], z[..., 1], mask, [0.5, 1.5], colors=[fill], hatches=[hatch])
+        area = axes.contourf(
+            positions_of(z), momenta_of(z), mask, [0.5, 1.5], colors=[fill], hatches=[hatch]
+        )
         area.set_edgecolor("#555555")
         area.set_linewidth(0.0)
         area.set_rasterized(True)
@@ -86,7 +89,7 @@ def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None
             Patch(facecolor=fill, hatch=hatch, edgecolor="#555555", label=data.conditions[row])
         )
     axes.legend(handles=handles, loc="upper center", ncols=2, fontsize=9, handlelength=1.6)
-    low, high = float(z[..., 1].min()), float(z[..., 1].max())
+    low, high = float(momenta_of(z).min()), float(momenta_of(z).max())
     rows = (len(handles) + 1) // 2
     # Room above the tube for the names.
     axes.set_ylim(low - 0.05 * (high - low), high + (0.06 + 0.12 * rows) * (high - low))

@@ -43,9 +43,9 @@ def _failures(contents: Contents) -> Iterator[str]:
     for name, entry in saved.conditions.items():
         point = entry.counterexample
         if point is not None:
-            z1, z2 = (html.number(value, 6) for value in point.z)
+            place = point.place(lambda value: html.number(value, 6))
             yield (
-                f"{name} is refuted: at z1 = {z1} m, z2 = {z2} kg m²/s its margin is "
+                f"{name} is refuted: at {place} its margin is "
                 f"{html.number(point.margin)} of its scale. certify recorded this point; no proof "
                 "file states it, and this page has not evaluated it again."
             )

@@ -105,10 +105,12 @@ def point_foot(
     link = tree.links[index]
     geoms = touching(model, link.bodies, floor)
     spheres = [g for g in geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE]
-    if not spheres and geoms and 3.0 * np.divide(*_size(model, data, link, geoms)) > 1.0:
+    length, height = _size(model, data, link, geoms) if geoms else (0.0, 0.0)
+    if not spheres and 3.0 * length > height:
         raise RobotError(
-            f"body {link.name} is no foot that is treated: make it a flat one, whose sole is "
-            "level, along the robot, and longer than its ankle is high; or a point foot, a "
+            f"body {link.name} is no foot that is treated: with its joint it is "
+            f"{1e3 * length:.3g} mm long and {1e3 * height:.3g} mm high; make it a flat one, whose "
+            "sole is level, along the robot, and longer than its ankle is high; or a point foot, a "
             '<geom type="sphere"> that collides with the floor'
         )
     if not spheres:

@@ -23,6 +23,7 @@ from neuralgaits.control.estimator import start as start_estimator
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.lean_sums import LeanSums
 from neuralgaits.gait.commands import LEAN, place_of
+from neuralgaits.gait.zero_coordinates import position_of
 from neuralgaits.simulation.setup.drives import held_by_drives
 from neuralgaits.simulation.ticks.falls import ending
 from neuralgaits.simulation.ticks.gauge import Gauge
@@ -181,7 +182,7 @@ def judge_and_record(
             touchdown=result.touchdown,
             steps=gauge.steps,
             leg=result.leg,
-            z1=result.z[0],
+            z1=position_of(result.z),
             clearance=up - scene.slope * ahead,
             stride=jnp.where(result.touchdown, stride, 0.0),
             feet=place.feet,

@@ -18,6 +18,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Gait
 from neuralgaits.gait import Point, ZeroDynamics
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 
 
 def slope(gait: Gait, point: Point) -> Scalar:
@@ -31,7 +32,7 @@ def expansion(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Scalar:
     def along(zeta):
         return slope(gait, zd.point(gait.state(u[0], zeta)))
 
-    zeta = 0.5 * gait.z(u)[1] ** 2
+    zeta = 0.5 * momentum_of(gait.z(u)) ** 2
     return jax.jvp(along, (zeta,), (jnp.ones_like(zeta),))[1]
 
 
@@ -67,10 +68,10 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     def ends(phase, zeta):
         point = zd.point(gait.state(phase, zeta))
         after = point.z_after
-        then = gait.steady_next.phase(after[0])
-        return point.foot_above_ground, then, 0.5 * after[1] * after[1]
+        then = gait.steady_next.phase(position_of(after))
+        return point.foot_above_ground, then, 0.5 * momentum_of(after) * momentum_of(after)
 
-    zeta = 0.5 * gait.z(u)[1] ** 2
+    zeta = 0.5 * momentum_of(gait.z(u)) ** 2
     here = (u[0], zeta)
     one = jnp.ones_like(zeta)
     zero = jnp.zeros_like(zeta)
