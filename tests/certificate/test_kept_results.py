@@ -1,6 +1,7 @@
 """What tests keep of slow functions is a function of what these are given."""
 
 import functools
+from types import FunctionType
 
 import equinox as eqx
 import jax
@@ -8,11 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.analysis import poincare_map
+from neuralgaits.analysis import poincare_map, point_evaluator
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels import problems
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import gaits
+from neuralgaits.programs.program import Constant, Output, Program
 from support import kept_executables, kept_results
 from support.kept_results import KeptResults
 from support.shipped_run import SHIPPED
@@ -58,6 +60,23 @@ def test_equal_arguments_have_one_result_and_others_their_own(kept):
     assert kept.computed == len(calls)
 
 
+def test_what_an_object_has_computed_of_itself_is_no_part_of_it(kept):
+    calls, numbered = pair_of(kept)
+    program, same = (constant_program(1.0) for _ in range(2))
+    numbered(program)
+    assert program.hash == same.hash and "hash" in vars(program)
+    numbered(program)
+    numbered(same)
+    assert len(calls) == 1
+    numbered(constant_program(2.0))
+    assert len(calls) == 2
+
+
+def constant_program(number):
+    array = np.array([number])
+    return Program((), (Constant(None, array),), (), (Output("one", (1,), 0),))
+
+
 def test_code_of_a_test_or_a_user_has_no_key(kept):
     calls, numbered = pair_of(kept)
     for code in (opened, functools.partial(opened), lambda: None, kept_results.KeptResults):
@@ -67,6 +86,66 @@ def test_code_of_a_test_or_a_user_has_no_key(kept):
     numbered(poincare_map.motion_of, gaits.Gait)
     numbered(poincare_map.motion_of, gaits.Gait)
     assert len(calls) == 9
+
+
+def as_if_the_packages(function):
+    """The same function, made anew, as if it stood in a file of the package."""
+    place = {"__name__": "neuralgaits.made_up", "np": np}
+    made = FunctionType(
+        function.__code__, place, "made", function.__defaults__, function.__closure__
+    )
+    made.__module__, made.__qualname__ = place["__name__"], "maker.<locals>.made"
+    return made
+
+
+def scaled(factor, offset=0.0):
+    return as_if_the_packages(lambda x, y=offset: factor * x + y)
+
+
+def test_functions_that_are_made_anew_are_equal_if_code_and_values_are(kept):
+    calls, numbered = pair_of(kept)
+    first = numbered(scaled(np.arange(3.0)))
+    assert numbered(scaled(np.arange(3.0))) is first and first == {"call": 1}
+    others = (
+        scaled(np.arange(3.0) + 1e-16 * np.eye(3)[0]),
+        scaled(np.arange(3.0), offset=1.0),
+        scaled(scaled(np.arange(3.0))),
+        as_if_the_packages(lambda x: x + 1.0),
+        as_if_the_packages(lambda x: x + 2.0),
+        as_if_the_packages(lambda x: x - 2.0),
+        as_if_the_packages(lambda x: np.sin(x)),
+        as_if_the_packages(lambda x: np.cos(x)),
+    )
+    assert [numbered(one)["call"] for one in others] == list(range(2, len(others) + 2))
+    assert len(calls) == len(others) + 1
+
+
+def test_a_function_that_could_note_its_calls_is_called_each_time(kept):
+    calls, numbered = pair_of(kept)
+    for noted in ([], {}, set()):
+        for _ in range(2):
+            numbered(scaled(noted))
+            numbered(scaled(1.0, noted))
+    assert len(calls) == 12
+
+
+def test_what_is_traced_of_a_gait_is_kept_and_another_gait_is_traced(results_are_kept):
+    """One number more or less in its last digit makes another gait."""
+    run = open_run(SHIPPED)
+
+    def evaluator(gait):
+        before = results_are_kept.computed
+        made = point_evaluator.PointEvaluator(
+            point_evaluator.quantities(run.zero_dynamics, gait, run.spec)
+        )
+        return made._program, results_are_kept.computed - before
+
+    first, _ = evaluator(run.gait)
+    again, computed = evaluator(open_run(SHIPPED).gait)
+    assert again is first and computed == 0
+    unit = np.nextafter(np.asarray(run.gait.tube.unit), np.inf)
+    other, computed = evaluator(eqx.tree_at(lambda g: g.tube.unit, run.gait, unit))
+    assert computed == 1 and other.hash != first.hash
 
 
 def test_while_the_package_is_patched_everything_is_computed(kept, monkeypatch):
@@ -120,10 +199,11 @@ def test_in_single_precision_nothing_is_kept(kept):
 
 def test_the_package_and_its_helpers_call_what_keeps(results_are_kept):
     """Test files have the functions themselves."""
-    run = open_run(SHIPPED)
-    before = results_are_kept.computed
-    found = [poincare_map.poincare(run.zero_dynamics, jnp.array([0.0, 12.0])) for _ in range(2)]
-    assert results_are_kept.computed <= before + 1
+    run, found, computed = open_run(SHIPPED), [], []
+    for _ in range(2):
+        found.append(poincare_map.poincare(run.zero_dynamics, jnp.array([0.0, 12.0])))
+        computed.append(results_are_kept.computed)
+    assert computed[0] == computed[1]
     np.testing.assert_array_equal(found[0].fixed_point, found[1].fixed_point)
     assert found[0].fixed_point is not found[1].fixed_point
 

@@ -4,6 +4,9 @@ Tests trace the same gait again and again: each opens, certifies or exports a co
 others have opened before. What a function of the package finds is a function of its arguments, as
 long as nobody has changed the package: so it is computed once in a process for equal arguments, or
 once in a test run where what is found can be copied.
+
+An argument may be a function. Two of them are equal that have the same code and close over equal
+values, so that a function which is made anew is neither traced nor compiled anew.
 """
 
 import functools
@@ -13,8 +16,9 @@ import os
 import pickle
 import sys
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
-from types import ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
 import pytest
@@ -33,17 +37,23 @@ COPIED = {
 }
 """Functions whose results a caller could change: each has a copy."""
 SHARED = {
+    f"{PACKAGE}._quick_jit": ("quick_jit", "quick_filter_jit"),
     f"{PACKAGE}.certificate.levels.full_order.sample_evaluators": ("evaluators_of",),
     f"{PACKAGE}.certificate.levels.level_search": ("evaluator_at",),
     f"{PACKAGE}.certificate.levels.problems": ("trace_certificate",),
     f"{PACKAGE}.certificate.traced": ("trace_spec",),
+    f"{PACKAGE}.programs.tracing.tracer": ("trace",),
     f"{PACKAGE}.systems.proof_model": ("trace_conditions",),
 }
 """Functions whose results nobody can change."""
 KNOWN = frozenset(
-    (PACKAGE, *"builtins collections copyreg equinox functools jax jaxlib numpy".split())
+    (
+        PACKAGE,
+        *"builtins collections copyreg equinox functools jax jaxlib numpy".split(),
+        *"beartype jaxtyping optax".split(),
+    )
 )
-"""Packages whose functions are what their names say."""
+"""Packages whose functions are what their names say, and their closures what is in them."""
 HARMLESS = frozenset(("os", "shutil", "signal", "socket", "subprocess", "tempfile", "time"))
 """Modules that no function above looks at."""
 SIZES = frozenset(("EPISODES", "HOPS", "SECONDS", "SHOWN_HOPS", "SHOWN_S"))
@@ -148,24 +158,79 @@ class KeptResults:
 
 
 class _Content(pickle.Pickler):
-    """Pickles data, and functions and classes by their names if these say what they do."""
+    """Pickles data, and functions and classes by their names if these say what they do.
+
+    A function without such a name is its code, and what it closes over.
+    """
 
     def reducer_override(self, given: Any) -> Any:
         if isinstance(given, RunFolder):
             return str, ()  # Where a run is changes nothing of what is computed of its parts.
         if callable(given) and hasattr(given, "__qualname__"):
-            root = str(given.__module__).partition(".")[0]
-            if root not in KNOWN:
-                raise pickle.PicklingError(f"code of {given.__module__}")
+            _refuse_unknown(given.__module__)
+            if isinstance(given, FunctionType) and not _has_its_name(given):
+                _refuse_unknown(given.__globals__.get("__name__"))
+                # A text stands for the function: nothing is ever unpickled.
+                return str, (_code(given.__code__),), _closed_over(given)
+        elif known := _known_of_itself(given):
+            kind = type(given)
+            own = {name: value for name, value in vars(given).items() if name not in known}
+            return str, (), (kind, own)
         return NotImplemented
+
+
+def _known_of_itself(given: Any) -> set[str]:
+    """Return the names of an object's properties that it keeps once they are computed."""
+    kept = getattr(given, "__dict__", {})
+    kind = type(given)
+    return {name for name in kept if isinstance(getattr(kind, name, None), cached_property)}
+
+
+def _refuse_unknown(module: Any) -> None:
+    """Raise PicklingError if functions of a module may do anything."""
+    if str(module).partition(".")[0] not in KNOWN:
+        raise pickle.PicklingError(f"code of {module}")
+
+
+def _has_its_name(function: FunctionType) -> bool:
+    """Return whether a function is what its module has under its name."""
+    found: Any = sys.modules.get(function.__module__)
+    for part in function.__qualname__.split("."):
+        found = getattr(found, part, None)
+    return found is function
+
+
+@functools.lru_cache(maxsize=4096)
+def _code(code: CodeType) -> str:
+    """Return a text that is another one for code that does anything else."""
+    constants = [_code(one) if isinstance(one, CodeType) else repr(one) for one in code.co_consts]
+    place = code.co_filename, code.co_firstlineno, code.co_qualname
+    return repr((place, code.co_code, code.co_names, code.co_freevars, constants))
+
+
+def _closed_over(function: FunctionType) -> tuple:
+    """Return the values that a function without a name has beside its arguments.
+
+    Raises: PicklingError if it is the package's and could change one of them: then it may be called
+        for that, too.
+    """
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    values = (*cells, *(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values())
+    own = function.__globals__["__name__"].startswith(PACKAGE)
+    if own and any(isinstance(value, dict | list | set) for value in values):
+        raise pickle.PicklingError("a function that can change what it has")
+    return tuple(cells), function.__defaults__, function.__kwdefaults__
 
 
 def _content(given: Any) -> bytes | None:
     """Return a hash of all that arguments are; None where they hold code of other packages."""
     text = io.BytesIO()
+    pickler = _Content(text, pickle.HIGHEST_PROTOCOL)
+    # Whether two parts are one object, or equal, changes no result.
+    pickler.fast = True
     try:
-        _Content(text, pickle.HIGHEST_PROTOCOL).dump(given)
-    except (pickle.PicklingError, AttributeError, TypeError):
+        pickler.dump(given)
+    except (pickle.PicklingError, AttributeError, RecursionError, TypeError, ValueError):
         return None
     return hashlib.sha256(text.getvalue()).digest()
 
