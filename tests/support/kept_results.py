@@ -47,11 +47,7 @@ SHARED = {
 }
 """Functions whose results nobody can change."""
 KNOWN = frozenset(
-    (
-        PACKAGE,
-        *"builtins collections copyreg equinox functools jax jaxlib numpy".split(),
-        *"beartype jaxtyping optax".split(),
-    )
+    (PACKAGE, *"builtins collections copyreg equinox functools jax jaxlib numpy optax".split())
 )
 """Packages whose functions are what their names say, and their closures what is in them."""
 HARMLESS = frozenset(("os", "shutil", "signal", "socket", "subprocess", "tempfile", "time"))
@@ -169,6 +165,9 @@ class _Content(pickle.Pickler):
         if callable(given) and hasattr(given, "__qualname__"):
             _refuse_unknown(given.__module__)
             if isinstance(given, FunctionType) and not _has_its_name(given):
+                if _checks_shapes(given):
+                    # It does what the function does that it checks.
+                    return str, (), (given.__wrapped__,)
                 _refuse_unknown(given.__globals__.get("__name__"))
                 # A text stands for the function: nothing is ever unpickled.
                 return str, (_code(given.__code__),), _closed_over(given)
@@ -198,6 +197,14 @@ def _has_its_name(function: FunctionType) -> bool:
     for part in function.__qualname__.split("."):
         found = getattr(found, part, None)
     return found is function
+
+
+def _checks_shapes(function: FunctionType) -> bool:
+    """Return whether a function is another one, with checks of what it is given and returns."""
+    checker = function.__globals__.get("__name__") == "jaxtyping._decorator"
+    return (checker or function.__code__.co_filename.startswith("<@beartype(")) and hasattr(
+        function, "__wrapped__"
+    )
 
 
 @functools.lru_cache(maxsize=4096)
