@@ -25,7 +25,7 @@ def kept():
     with pytest.MonkeyPatch.context() as patch:
         # The session's own notices patches as well, and stays as it is.
         results = KeptResults()
-        for name in ("setattr", "undo"):
+        for name in ("setattr", "setitem", "undo"):
             watched = results._undone() if name == "undo" else results._noticed(name)
             patch.setattr(pytest.MonkeyPatch, name, watched)
         results._patching.clear()
@@ -88,9 +88,9 @@ def test_code_of_a_test_or_a_user_has_no_key(kept):
     assert len(calls) == 9
 
 
-def as_if_the_packages(function):
+def as_if_the_packages(function, room="made_up"):
     """The same function, made anew, as if it stood in a file of the package."""
-    place = {"__name__": "neuralgaits.made_up", "np": np}
+    place = {"__name__": f"neuralgaits.{room}.file", "np": np}
     made = FunctionType(
         function.__code__, place, "made", function.__defaults__, function.__closure__
     )
@@ -161,6 +161,46 @@ def test_while_the_package_is_patched_everything_is_computed(kept, monkeypatch):
     assert numbered(1) == {"call": 1}
     monkeypatch.setattr("neuralgaits.systems.hopper.hop_episodes.LATEST_S", 2.0)
     assert numbered(1) == {"call": 3}
+
+
+@pytest.mark.parametrize(
+    ("target", "changed"),
+    [
+        ("neuralgaits.workflows.certify.certify", False),
+        ("neuralgaits.training.trainer.Trainer.step", False),
+        ("neuralgaits.certificate.levels.problems.PLANE", False),
+        ("neuralgaits.analysis.poincare_map.motion_of", True),
+        ("neuralgaits.gait.gaits.Gait", True),
+        ("neuralgaits._blocks.in_blocks", True),
+        ("jax.numpy.cos", True),
+    ],
+)
+def test_a_patch_counts_for_the_rooms_that_may_import_what_it_changes(kept, target, changed):
+    """A function of the analysis, given data; and given a function of another room."""
+    own = kept.of(as_if_the_packages(lambda *_: object(), "analysis"), False)
+    given = as_if_the_packages(lambda x: x, "training")
+    first, with_a_training = own(1), own(given)
+    assert own(1) is first and own(given) is with_a_training
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(target, None)
+        assert (own(1) is not first) == changed
+        # Rooms on one level do not import each other.
+        unseen = target.startswith(("neuralgaits.workflows", "neuralgaits.certificate"))
+        assert (own(given) is not with_a_training) == (not unseen)
+    assert own(1) is first
+
+
+def test_a_patch_of_an_object_counts_for_all_rooms(kept):
+    own = kept.of(as_if_the_packages(lambda *_: object(), "analysis"), False)
+    first = own(1)
+    for target in (kept, KeptResults, {}):
+        with pytest.MonkeyPatch.context() as patch:
+            if isinstance(target, dict):
+                patch.setitem(target, "a", 1)
+            else:
+                patch.setattr(target, "made_up", 1, raising=False)
+            assert own(1) is not first
+    assert own(1) is first
 
 
 def test_copies_are_the_callers_and_errors_are_not_kept(kept):

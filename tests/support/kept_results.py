@@ -10,24 +10,21 @@ values, so that a function which is made anew is neither traced nor compiled ane
 """
 
 import functools
-import hashlib
-import io
 import os
 import pickle
 import sys
+import tomllib
 from collections.abc import Callable
-from functools import cached_property
 from pathlib import Path
-from types import CodeType, FunctionType, ModuleType
+from types import ModuleType
 from typing import Any
 
 import pytest
 
-from neuralgaits.runs import RunFolder
+from support.argument_content import PACKAGE, content_of, room_of
 
 MOST = 300
 """Results of a process that are kept at once."""
-PACKAGE = "neuralgaits"
 COPIED = {
     f"{PACKAGE}.analysis.poincare_map": ("poincare",),
     f"{PACKAGE}.certificate.traced": ("after_impact",),
@@ -46,12 +43,10 @@ SHARED = {
     f"{PACKAGE}.systems.proof_model": ("trace_conditions",),
 }
 """Functions whose results nobody can change."""
-KNOWN = frozenset(
-    (PACKAGE, *"builtins collections copyreg equinox functools jax jaxlib numpy optax".split())
-)
-"""Packages whose functions are what their names say, and their closures what is in them."""
 HARMLESS = frozenset(("os", "shutil", "signal", "socket", "subprocess", "tempfile", "time"))
 """Modules that no function above looks at."""
+EVERYWHERE = "_printable"
+"""Room from which all others may import."""
 SIZES = frozenset(("EPISODES", "HOPS", "SECONDS", "SHOWN_HOPS", "SHOWN_S"))
 """Constants of the families that say how much is simulated or drawn: no trace reads one."""
 
@@ -71,7 +66,7 @@ class KeptResults:
         self.computed = 0
         self._shared = shared
         self._kept: dict[tuple[str, bytes], Any] = {}
-        self._patching: set[int] = set()
+        self._patching: dict[int, set[str]] = {}
 
     def of(self, function: Callable[..., Any], copied: bool) -> Callable[..., Any]:
         """Return a function that keeps what another one finds; callers get copies if `copied`."""
@@ -79,8 +74,8 @@ class KeptResults:
 
         @functools.wraps(function)
         def kept(*given: Any, **named: Any) -> Any:
-            content = None if self._patching or not _in_float64() else _content((given, named))
-            if content is None:
+            content, rooms = content_of((given, named)) if _in_float64() else (None, set())
+            if content is None or self._is_patched(rooms | {room_of(function.__module__)}):
                 self.computed += 1
                 return function(*given, **named)
             key = name, content
@@ -92,6 +87,11 @@ class KeptResults:
             return pickle.loads(self._kept[key]) if copied else self._kept[key]
 
         return kept
+
+    def _is_patched(self, rooms: set[str]) -> bool:
+        """Return whether code of these rooms may do something else now than it was written to."""
+        changed = set().union(*self._patching.values())
+        return any(room in rooms or max(map(_level, rooms)) > _level(room) for room in changed)
 
     def _computed(self, function: Callable[..., Any], given: tuple, named: dict) -> Any:
         self.computed += 1
@@ -137,7 +137,7 @@ class KeptResults:
         @functools.wraps(change)
         def changed(patch: pytest.MonkeyPatch, *given: Any, **how: Any) -> None:
             if not _harmless(*given[:2]):
-                self._patching.add(id(patch))
+                self._patching.setdefault(id(patch), set()).add(_patched_room(*given[:2]))
             change(patch, *given, **how)
 
         return changed
@@ -148,98 +148,31 @@ class KeptResults:
         @functools.wraps(undo)
         def undone(patch: pytest.MonkeyPatch) -> None:
             undo(patch)
-            self._patching.discard(id(patch))
+            self._patching.pop(id(patch), None)
 
         return undone
 
 
-class _Content(pickle.Pickler):
-    """Pickles data, and functions and classes by their names if these say what they do.
-
-    A function without such a name is its code, and what it closes over.
-    """
-
-    def reducer_override(self, given: Any) -> Any:
-        if isinstance(given, RunFolder):
-            return str, ()  # Where a run is changes nothing of what is computed of its parts.
-        if callable(given) and hasattr(given, "__qualname__"):
-            _refuse_unknown(given.__module__)
-            if isinstance(given, FunctionType) and not _has_its_name(given):
-                if _checks_shapes(given):
-                    # It does what the function does that it checks.
-                    return str, (), (given.__wrapped__,)
-                _refuse_unknown(given.__globals__.get("__name__"))
-                # A text stands for the function: nothing is ever unpickled.
-                return str, (_code(given.__code__),), _closed_over(given)
-        elif known := _known_of_itself(given):
-            kind = type(given)
-            own = {name: value for name, value in vars(given).items() if name not in known}
-            return str, (), (kind, own)
-        return NotImplemented
+@functools.cache
+def _levels() -> dict[str, int]:
+    """Return the place of each room in the list in which a room imports only from those below."""
+    text = (Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8")
+    first = tomllib.loads(text)["tool"]["importlinter"]["contracts"][0]
+    levels = reversed(first["layers"])
+    return {room: place for place, rooms in enumerate(levels) for room in rooms.split(" | ")}
 
 
-def _known_of_itself(given: Any) -> set[str]:
-    """Return the names of an object's properties that it keeps once they are computed."""
-    kept = getattr(given, "__dict__", {})
-    kind = type(given)
-    return {name for name in kept if isinstance(getattr(kind, name, None), cached_property)}
+def _level(room: str) -> int:
+    """Return the place of a room in the list; what is in none may import from all."""
+    return _levels().get(room, len(_levels()))
 
 
-def _refuse_unknown(module: Any) -> None:
-    """Raise PicklingError if functions of a module may do anything."""
-    if str(module).partition(".")[0] not in KNOWN:
-        raise pickle.PicklingError(f"code of {module}")
-
-
-def _has_its_name(function: FunctionType) -> bool:
-    """Return whether a function is what its module has under its name."""
-    found: Any = sys.modules.get(function.__module__)
-    for part in function.__qualname__.split("."):
-        found = getattr(found, part, None)
-    return found is function
-
-
-def _checks_shapes(function: FunctionType) -> bool:
-    """Return whether a function is another one, with checks of what it is given and returns."""
-    checker = function.__globals__.get("__name__") == "jaxtyping._decorator"
-    return (checker or function.__code__.co_filename.startswith("<@beartype(")) and hasattr(
-        function, "__wrapped__"
-    )
-
-
-@functools.lru_cache(maxsize=4096)
-def _code(code: CodeType) -> str:
-    """Return a text that is another one for code that does anything else."""
-    constants = [_code(one) if isinstance(one, CodeType) else repr(one) for one in code.co_consts]
-    place = code.co_filename, code.co_firstlineno, code.co_qualname
-    return repr((place, code.co_code, code.co_names, code.co_freevars, constants))
-
-
-def _closed_over(function: FunctionType) -> tuple:
-    """Return the values that a function without a name has beside its arguments.
-
-    Raises: PicklingError if it is the package's and could change one of them: then it may be called
-        for that, too.
-    """
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    values = (*cells, *(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values())
-    own = function.__globals__["__name__"].startswith(PACKAGE)
-    if own and any(isinstance(value, dict | list | set) for value in values):
-        raise pickle.PicklingError("a function that can change what it has")
-    return tuple(cells), function.__defaults__, function.__kwdefaults__
-
-
-def _content(given: Any) -> bytes | None:
-    """Return a hash of all that arguments are; None where they hold code of other packages."""
-    text = io.BytesIO()
-    pickler = _Content(text, pickle.HIGHEST_PROTOCOL)
-    # Whether two parts are one object, or equal, changes no result.
-    pickler.fast = True
-    try:
-        pickler.dump(given)
-    except (pickle.PicklingError, AttributeError, RecursionError, TypeError, ValueError):
-        return None
-    return hashlib.sha256(text.getvalue()).digest()
+def _patched_room(target: Any, name: Any = None) -> str:
+    """Return the room of the module that a patch changes; that of all if it changes another."""
+    del name
+    place = target if isinstance(target, str) else getattr(target, "__name__", "")
+    of_package = isinstance(target, str | ModuleType) and place.startswith(f"{PACKAGE}.")
+    return room_of(place) if of_package else EVERYWHERE
 
 
 def _in_float64() -> bool:
