@@ -98,7 +98,7 @@ def as_if_the_packages(function, room="made_up"):
     return made
 
 
-def scaled(factor, offset=0.0):
+def scaled(factor, offset: object = 0.0):
     return as_if_the_packages(lambda x, y=offset: factor * x + y)
 
 
@@ -138,6 +138,7 @@ def test_what_is_traced_of_a_gait_is_kept_and_another_gait_is_traced(results_are
         made = point_evaluator.PointEvaluator(
             point_evaluator.quantities(run.zero_dynamics, gait, run.spec)
         )
+        assert made._program is not None
         return made._program, results_are_kept.computed - before
 
     first, _ = evaluator(run.gait)

@@ -101,7 +101,7 @@ def _residuals_of(
         # The pendulum's numbers go with the robot, and are known to the compiler.
         problem = OrbitProblem(robot, guess._replace(pendulum=pendulum), aims)
         _, restored = ravel_pytree((guess.numbers, guess.start))
-        return problem.residuals(*restored(row))
+        return problem.residuals(*restored(jnp.asarray(row)))
 
     return quick_jit(jax.vmap(residuals, in_axes=(None, None, 0)))
 
