@@ -230,6 +230,17 @@ def test_workers_share_what_can_be_copied(tmp_path):
     assert workers[1].computed == 2 and not list(tmp_path.glob("*.[0-9]*"))
 
 
+def test_workers_share_programs_and_nobody_changes_one(tmp_path):
+    workers = KeptResults(tmp_path), KeptResults(tmp_path)
+    made = [one.of(constant_program, False, program=True) for one in workers]
+    first, second = (one(1 / 3) for one in made)
+    assert first == second == constant_program(1 / 3) and made[0](1 / 3) is first
+    assert [one.computed for one in workers] == [1, 0]
+    with pytest.raises(ValueError, match="read-only"):
+        second.constants[0].array[0] = 1.0
+    assert made[1](2 / 3) == constant_program(2 / 3) != first
+
+
 def test_in_single_precision_nothing_is_kept(kept):
     calls, numbered = pair_of(kept)
     numbered(1)

@@ -21,6 +21,7 @@ from typing import Any
 
 import pytest
 
+from neuralgaits.programs import Program
 from support.argument_content import PACKAGE, content_of, room_of
 
 MOST = 300
@@ -39,10 +40,11 @@ SHARED = {
     f"{PACKAGE}.certificate.levels.level_search": ("evaluator_at",),
     f"{PACKAGE}.certificate.levels.problems": ("trace_certificate",),
     f"{PACKAGE}.certificate.traced": ("trace_spec",),
-    f"{PACKAGE}.programs.tracing.tracer": ("trace",),
     f"{PACKAGE}.systems.proof_model": ("trace_conditions",),
 }
 """Functions whose results nobody can change."""
+PROGRAMS = {f"{PACKAGE}.programs.tracing.tracer": ("trace",)}
+"""Functions whose results are Programs, which nobody can change and any process can read."""
 HARMLESS = frozenset(("os", "shutil", "signal", "socket", "subprocess", "tempfile", "time"))
 """Modules that no function above looks at."""
 EVERYWHERE = "_printable"
@@ -68,8 +70,16 @@ class KeptResults:
         self._kept: dict[tuple[str, bytes], Any] = {}
         self._patching: dict[int, set[str]] = {}
 
-    def of(self, function: Callable[..., Any], copied: bool) -> Callable[..., Any]:
-        """Return a function that keeps what another one finds; callers get copies if `copied`."""
+    def of(
+        self, function: Callable[..., Any], copied: bool, program: bool = False
+    ) -> Callable[..., Any]:
+        """Return a function that keeps what another one finds.
+
+        Args:
+            function: the other one.
+            copied: whether callers get copies, which all processes share.
+            program: whether it returns a Program, which all processes share.
+        """
         name = f"{function.__module__}.{function.__qualname__}"
 
         @functools.wraps(function)
@@ -81,7 +91,13 @@ class KeptResults:
             key = name, content
             if key not in self._kept:
                 found = functools.partial(self._computed, function, given, named)
-                self._kept[key] = self._pickled(key, found) if copied else found()
+                if copied:
+                    self._kept[key] = self._in_file(key, lambda: pickle.dumps(found()))
+                elif program:
+                    text = self._in_file(key, lambda: found().to_json().encode())
+                    self._kept[key] = Program.from_json(text.decode())
+                else:
+                    self._kept[key] = found()
                 if len(self._kept) > MOST:
                     del self._kept[next(iter(self._kept))]
             return pickle.loads(self._kept[key]) if copied else self._kept[key]
@@ -97,14 +113,14 @@ class KeptResults:
         self.computed += 1
         return function(*given, **named)
 
-    def _pickled(self, key: tuple[str, bytes], compute: Callable[[], Any]) -> bytes:
+    def _in_file(self, key: tuple[str, bytes], compute: Callable[[], bytes]) -> bytes:
         """Return a result that another process has put into the folder, or a new one."""
         if self._shared is None:
-            return pickle.dumps(compute())
+            return compute()
         file = self._shared / f"kept-{key[0]}-{key[1].hex()}"
         if file.exists():
             return file.read_bytes()
-        found = pickle.dumps(compute())
+        found = compute()
         # Whole or not there, whoever else writes the same.
         written = file.with_name(f"{file.name}.{os.getpid()}")
         written.write_bytes(found)
@@ -116,11 +132,11 @@ class KeptResults:
 
         Test files call the functions themselves. What nobody has imported yet stays as it is.
         """
-        for places, copied in ((COPIED, True), (SHARED, False)):
+        for places in (COPIED, SHARED, PROGRAMS):
             for place, names in places.items():
                 for name in names if place in sys.modules else ():
                     function = getattr(sys.modules[place], name)
-                    kept = self.of(function, copied)
+                    kept = self.of(function, places is COPIED, places is PROGRAMS)
                     for module in list(sys.modules.values()):
                         inside = getattr(module, "__name__", "").startswith((PACKAGE, "support"))
                         if inside and vars(module).get(name) is function:
