@@ -34,7 +34,7 @@ from neuralgaits.systems.walker3d.spatial_levels import (
 from neuralgaits.systems.walker3d.spatial_step import step_from
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_tube import SpatialTube, in_ball
-from neuralgaits.systems.walker3d.tube_samples import sampled_margins, searched_margins
+from neuralgaits.systems.walker3d.tube_samples import all_above, sampled_margins, searched_margins
 
 QUICK = ("chart", "clearance", "touchdown", "approach")
 """Conditions of few boxes."""
@@ -188,6 +188,11 @@ def test_a_search_finds_corners_that_draws_miss():
     assert searched["yaw"] < 0.0
     assert all(value >= 0.99 for name, value in searched.items() if name != "yaw")
     assert sampled_margins(program, 64, 0, TABLE)["yaw"] > 0.0
+    least = min(searched.values())
+    assert all_above(np.nextafter(least, -1.0), program, 64, 0, TABLE, {})
+    assert not all_above(least, program, 64, 0, TABLE, {})
+    nowhere = trace(lambda u: conditions(u) | {"yaw": jnp.sqrt(u[0] - 2.0)}, {"u": (4,)})
+    assert not all_above(-9.0, nowhere, 64, 0, TABLE, {})
 
 
 @pytest.mark.slow

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from neuralgaits.training import barrier_loss, lay_out, margin_matrix
+from neuralgaits.training.loss import lay_out_again
+from neuralgaits.training.trainer import samplers_of
 from support.small_spec import REGIONS
 
 NAMES = ("torso", "hip", "rates", "foot", "hips")
@@ -46,6 +48,14 @@ def test_columns_and_rows(spec, sampler, table):
             assert np.all(table.counts[row, block] == expected)
             if expected:
                 assert inside(regions[name], low, high)
+
+
+def test_the_layout_for_other_samples_is_the_one_that_they_have(spec, amber, gait, sampler):
+    other = samplers_of(spec)[1]
+    assert len(other.low) != len(sampler.low)
+    again = lay_out_again(lay_out(spec, amber, gait, sampler), spec, other)
+    for one, two in zip(again, lay_out(spec, amber, gait, other), strict=True):
+        np.testing.assert_equal(one, two)
 
 
 def by_hand(spec, table, margins, torque):

@@ -53,6 +53,7 @@ def test_shares_and_margins_are_those_of_the_monitor_of_walks(shipped, monitor, 
         if number >= TICKS - 5:
             records.append(gait.live.record)
     (found,) = gait.shown().memberships
+    np.testing.assert_array_equal(gait.shown().z, records[-1].result.z[0])
     (figures,) = watched(shipped, monitor, records[-1:]).levels.values()
     assert (found.levels, found.inside, found.admissible) == ("2", True, True)
     assert found.margin == pytest.approx(figures.margin, rel=1e-12)

@@ -396,6 +396,12 @@ def test_a_live_walk_is_that_of_the_reference(run, library):
         if number in (1, 650, 1250):
             assert apart(one.record, two.record) <= 1e-7
             assert apart(one.outcome, two.outcome) <= 1e-7
+            for live in lives:
+                assert live.record is not None and live.measured is not None
+                result = live.record.result
+                parts = result.q, result.dq, result.z, result.commands
+                for ours, theirs in zip(live.measured, parts, strict=True):
+                    np.testing.assert_array_equal(ours, np.asarray(theirs)[0])
     assert lives[0].ending.fell
 
 

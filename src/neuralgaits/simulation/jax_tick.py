@@ -108,6 +108,5 @@ class JaxTick(LiveTick):
         if (record := self.record) is None:
             return None
         result = record.result
-        return MeasuredTick(
-            *(np.asarray(part)[0] for part in (result.q, result.dq, result.commands))
-        )
+        parts = result.q, result.dq, result.z, result.commands
+        return MeasuredTick(*(np.asarray(part)[0] for part in parts))

@@ -224,10 +224,10 @@ class LiveWalk:
     def commands(self) -> Float[np.ndarray, "2 p"]:
         """Return the commands of the step before and of this one. [2, p]."""
         # Read once: a reset in the player's thread may take it away in between.
-        record = self.record
-        if record is None:
+        measured = self.measured
+        if measured is None:
             return np.stack([self._commands.first] * 2)
-        return np.asarray(record.result.commands)[0]
+        return measured.commands
 
     def place(self, x: Float[np.ndarray, " two_n"]) -> None:
         """Restart from a full state on leg 0 (rad, rad/s), at the robot's place. [2n].

@@ -17,6 +17,8 @@ class MeasuredTick(NamedTuple):
     """Measured coordinates [rad]. [n]"""
     dq: Float[np.ndarray, " n"]
     """Measured rates [rad/s]. [n]"""
+    z: Float[np.ndarray, "2"]
+    """State of the zero dynamics that follows (m, kg m^2/s). [2]"""
     commands: Float[np.ndarray, "2 p"]
     """Commands of the step before, and of this one. [2, p]"""
 

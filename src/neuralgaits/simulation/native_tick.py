@@ -128,4 +128,4 @@ class NativeTick(LiveTick):
             return None
         row = self._row[0]
         commands = row["told"] if "told" in (row.dtype.names or ()) else np.zeros((2, 0))
-        return MeasuredTick(row["q"].copy(), row["dq"].copy(), commands.copy())
+        return MeasuredTick(row["q"].copy(), row["dq"].copy(), row["z"].copy(), commands.copy())

@@ -66,7 +66,18 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Ma
         return {c.name: c.margins(point, step) for c in weights}
 
     shapes = jax.eval_shape(margins, jax.ShapeDtypeStruct((spec.chart_size,), jnp.zeros(0).dtype))
-    sizes = [int(np.prod(shapes[c.name].shape)) for c in weights]
+    return _tabulated(spec, [int(np.prod(shapes[c.name].shape)) for c in weights], sampler)
+
+
+def lay_out_again(layout: MarginLayout, spec: GaitSpec, sampler: Sampler) -> MarginLayout:
+    """Return the layout for other samples of the same spec; no condition is evaluated."""
+    sizes = [block.stop - block.start for block in layout.columns.values()]
+    return _tabulated(spec, sizes, sampler)
+
+
+def _tabulated(spec: GaitSpec, sizes: list[int], sampler: Sampler) -> MarginLayout:
+    """Return the layout of conditions with so many columns each."""
+    weights = spec.trained_for
     ends = np.cumsum([0, *sizes])
     columns = {c.name: slice(int(ends[i]), int(ends[i + 1])) for i, c in enumerate(weights)}
     total, rows = int(ends[-1]), len(sampler.low)

@@ -32,7 +32,7 @@ from neuralgaits.training.gradient_step import (
     make_steps,
 )
 from neuralgaits.training.learning_rate import optimizer_of, width_factor
-from neuralgaits.training.loss import Loss, MarginLayout, lay_out
+from neuralgaits.training.loss import Loss, MarginLayout, lay_out, lay_out_again
 from neuralgaits.training.precision import cast, cast_named
 from neuralgaits.training.repair import Extra
 from neuralgaits.training.sampling import Sampler
@@ -121,7 +121,7 @@ class Trainer:
             residuals=cast(residuals, np.float32),
         )
         steps_taken = make_steps(spec, single, disturbance, unflatten, optimizer, steps)
-        checked = lay_out(spec, model, template, validation)
+        checked = lay_out_again(layout, spec, validation)
         evaluate = make_evaluate(spec, model, validation, checked, residuals, disturbance)
         return cls(
             model=model,

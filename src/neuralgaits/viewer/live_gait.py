@@ -165,11 +165,11 @@ class LiveGait:
             if monitor is not None:
                 monitor.touch_down()
             self._pace.touch_down(self.steps, self.live.time, float(self._sensors().base[0]))
-        if (record := self.live.record) is not None:
-            self._z = np.asarray(record.result.z)[0]
+        if measured is not None:
+            self._z = measured.z
             self._trail.add(self._z, self.steps)
-        if walks and monitor is not None and measured is not None:
-            monitor.add(measured)
+            if walks and monitor is not None:
+                monitor.add(measured)
         return walks
 
     def shown(self) -> WalkFrame:

@@ -50,10 +50,13 @@ def _plant_z(robot: SensedRobot, truth: Measurement, leg: Array) -> Array:
 
 
 def _padded(tree):
-    """Pad to a power of two ticks, so that walks of all lengths share few compilations."""
+    """Pad to a power of two ticks, so that walks of all lengths share few compilations.
+
+    A single tick, as live walks have it, stays alone.
+    """
 
     def pad(leaf: np.ndarray) -> Array:
-        longer = 1 << max(10, (len(leaf) - 1).bit_length())
+        longer = 1 if len(leaf) == 1 else 1 << max(10, (len(leaf) - 1).bit_length())
         return jnp.asarray(np.resize(leaf, (longer, *leaf.shape[1:])))
 
     return jax.tree.map(pad, tree)

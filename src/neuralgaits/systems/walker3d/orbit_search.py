@@ -1,15 +1,17 @@
 """Levenberg's and Marquardt's search for a periodic gait, and its exact period."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 
 from neuralgaits._quick_jit import quick_jit
-from neuralgaits._types import Float
+from neuralgaits._types import Array, Float
 from neuralgaits.errors import NonFiniteError
 from neuralgaits.systems.walker3d.spatial_orbit import (
     DIFFERENCE,
@@ -17,8 +19,8 @@ from neuralgaits.systems.walker3d.spatial_orbit import (
     OrbitProblem,
     SpatialOrbit,
 )
-from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy
-from neuralgaits.systems.walker3d.spatial_start import first_guess
+from neuralgaits.systems.walker3d.spatial_policy import Pendulum, SpatialPolicy
+from neuralgaits.systems.walker3d.spatial_start import FirstGuess, first_guess
 from neuralgaits.systems.walker3d.spatial_step import step_from
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
@@ -58,11 +60,11 @@ def find_orbit(
     numbers, restored = problem.parts()
     if near is not None:
         numbers = np.asarray(ravel_pytree((near.numbers, near.start))[0])
-    rows = quick_jit(jax.vmap(lambda row: problem.residuals(*restored(row))))
+    of_rows = _residuals_of(robot, guess.pendulum)
 
     def evaluated(point: Float[np.ndarray, " p"]) -> _Iterate:
         near = np.vstack([point, point + DIFFERENCE * np.eye(len(point))])
-        residuals = np.asarray(rows(jnp.asarray(near)))
+        residuals = np.asarray(of_rows(guess, aims, jnp.asarray(near)))
         slopes = (residuals[1:] - residuals[0]).T / DIFFERENCE
         return _Iterate(point, residuals[0], slopes)
 
@@ -87,6 +89,34 @@ def find_orbit(
     policy = jax.tree.map(np.asarray, problem.policy(found))
     start, section = exact_period(robot, policy, start, problem.scale)
     return SpatialOrbit(policy, start, section, best.cost, found)
+
+
+@lru_cache(maxsize=8)
+def _residuals_of(
+    robot: SpatialWalker, pendulum: Pendulum
+) -> Callable[[FirstGuess, OrbitAims, Float[Array, "k p"]], Float[Array, "k r"]]:
+    """Return the compiled residuals of sets of numbers, for whatever guess and aims."""
+
+    def residuals(guess: FirstGuess, aims: OrbitAims, row: Array) -> Array:
+        # The pendulum's numbers go with the robot, and are known to the compiler.
+        problem = OrbitProblem(robot, guess._replace(pendulum=pendulum), aims)
+        _, restored = ravel_pytree((guess.numbers, guess.start))
+        return problem.residuals(*restored(jnp.asarray(row)))
+
+    return quick_jit(jax.vmap(residuals, in_axes=(None, None, 0)))
+
+
+@lru_cache(maxsize=8)
+def _landed_of(
+    robot: SpatialWalker, pendulum: Pendulum
+) -> Callable[[SpatialPolicy, Float[Array, "k 3"]], Float[Array, "k 3"]]:
+    """Return a compiled function from starts to those of the next steps, for whatever policy."""
+
+    def landed(policy: SpatialPolicy, start: Array) -> Array:
+        policy = eqx.tree_at(lambda one: one.pendulum, policy, pendulum)
+        return step_from(robot, policy, start).landed[1:]
+
+    return quick_jit(jax.vmap(landed, in_axes=(None, 0)))
 
 
 def _moved(
@@ -117,10 +147,10 @@ def exact_period(
     Raises: NonFiniteError if there is none.
     """
     near = np.vstack([np.zeros(3), 0.1 * np.eye(3), -0.1 * np.eye(3)]) * scale
-    landed = quick_jit(jax.vmap(lambda one: step_from(robot, policy, one).landed[1:]))
+    landed = _landed_of(robot, jax.tree.map(float, policy.pendulum))
     newton_steps = 8
     for _ in range(newton_steps):
-        ends = np.asarray(landed(jnp.asarray(start + near)))
+        ends = np.asarray(landed(policy, jnp.asarray(start + near)))
         section = (ends[1:4] - ends[4:]).T / 0.2 / scale[:, None]
         missed = (ends[0] - start) / scale
         if not np.isfinite(section).all():

@@ -31,7 +31,7 @@ from neuralgaits.systems.walker3d.spatial_start import section_scale
 from neuralgaits.systems.walker3d.spatial_step import step_from
 from neuralgaits.systems.walker3d.spatial_tube import SpatialTube
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
-from neuralgaits.systems.walker3d.tube_samples import searched_margins
+from neuralgaits.systems.walker3d.tube_samples import all_above
 
 Gait = TypeVar("Gait", bound=AbstractSpatialGait)
 DISTURBANCE = np.array([[0.83, 2.92, 0.0], [0.0, 1.0, 0.0], [0.44, -4.17, 0.56]])
@@ -82,8 +82,8 @@ def widest(robot: SpatialWalker, sized: Callable[[float], Gait], table: Conditio
             program = _margins_in_any_tube(robot, gait, table)
         # Two axes more take more draws to find a corner.
         count = 2**10 if gait.command is None else 2**14
-        margins = searched_margins(program, count, seed=0, table=table, given=_numbers_of(gait))
-        if min(margins.values()) > 0.004:
+        least_margin = 0.004
+        if all_above(least_margin, program, count, 0, table, _numbers_of(gait)):
             return gait
     return sized(sizes[-1])
 

@@ -3,13 +3,13 @@
 Samples, no proof. The Program that is proved is evaluated, so that no function is compiled.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 import numpy as np
 
 from neuralgaits._types import Array, Float
-from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.systems.condition_table import ConditionTable
@@ -75,25 +75,50 @@ def searched_margins(
 
     Returns: NaN for a condition without a value somewhere.
     """
+    return dict(_searched(program, count, seed, table, given))
+
+
+def all_above(
+    limit: float,
+    program: Program,
+    count: int,
+    seed: int,
+    table: ConditionTable,
+    given: Mapping[str, np.ndarray],
+) -> bool:
+    """Return whether all `searched_margins` are above a limit.
+
+    The search ends at the first one that is not. One without a value somewhere is not above.
+    """
+    return all(margin > limit for _, margin in _searched(program, count, seed, table, given))
+
+
+def _searched(
+    program: Program,
+    count: int,
+    seed: int,
+    table: ConditionTable,
+    given: Mapping[str, np.ndarray],
+) -> Iterator[tuple[str, float]]:
+    """Yield the margins of `searched_margins` one after the other, with their names."""
     draw = np.random.default_rng(seed)
     kept, neighbours = 16, 32
-    least = {}
     for name, region in table.conditions.items():
         own = prune(program, [name])
-        least[name] = np.inf
+        least = np.inf
         for ends in table.regions[region]:
             low, high = map(np.array, ends)
             points = _points(draw, low, high, count)
             values = _values(own, points, given)[name]
-            least[name] = float(np.minimum(least[name], values.min()))
+            least = float(np.minimum(least, values.min()))
             for width in (0.1, 0.03, 0.01):
                 lowest = points[np.argsort(values)[:kept]]
                 steps = width * (high - low) * draw.standard_normal((neighbours, *lowest.shape))
                 points = np.clip(lowest + steps, low, high).reshape(-1, len(low))
                 values = _values(own, points, given)[name]
                 # A NaN stays one.
-                least[name] = float(np.minimum(least[name], values.min()))
-    return least
+                least = float(np.minimum(least, values.min()))
+        yield name, least
 
 
 def _values(
@@ -104,10 +129,11 @@ def _values(
     """Return the smallest element of each output at some points, by name. [N]."""
     parts = []
     together = 1024
-    for first in range(0, len(points), together):
-        inputs = {"u": points[first : first + together], **given}
-        with np.errstate(all="ignore"):
-            parts.append(evaluate(program, inputs, POINT))
+    with np.errstate(all="ignore"):
+        constants = fold(program, POINT)
+        for first in range(0, len(points), together):
+            inputs = {"u": points[first : first + together], **given}
+            parts.append(evaluate(program, inputs, POINT, constants))
     rows = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     return {name: row.reshape(len(points), -1).min(axis=1) for name, row in rows.items()}
 
