@@ -44,6 +44,7 @@ from neuralgaits.certificate.levels.full_order.sample_evaluators import (
     evaluators_of,
 )
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants
+from neuralgaits.records.law_proof import LawProof
 from neuralgaits.robots import dynamics
 from neuralgaits.robots.impact import impact
 from neuralgaits.robots.mjcf.link_shares import KINDS
@@ -311,6 +312,17 @@ def test_a_robot_that_is_the_files_takes_nothing():
     assert [r.claim for r in face_inequalities(full, none)] == [
         r.claim for r in face_inequalities(full, own)
     ]
+
+
+def test_a_law_that_is_proved_names_its_robots():
+    alone = LawProof("fblin", 50.0, "fblin", 1.5e-3, "touchdown")
+    words = (
+        "fblin at 50 rad/s: proved for ticks at most 1.5 ms apart, one of them at each touchdown"
+    )
+    assert alone.words == words
+    of_box = replace(alone, model_box=(2e-3, 4e-4, 0.0))
+    robots = ", on robots off by at most: masses by 0.2 %, centres of mass by 0.4 mm"
+    assert of_box.words == words + robots
 
 
 def test_every_premise_is_needed_and_its_robots_are_named():

@@ -206,7 +206,9 @@ def _law(result: CertificateRecord) -> list[tuple[str, str]]:
         return []
     name = "scheduled-pd" if "rest" in disturbed else "fblin"
     clock = "free" if "kick" in disturbed else "touchdown"
-    proof = LawProof(name, full["w"], name, disturbed["hold"], clock)
+    errors = "mass error", "centre error", "inertia error"
+    box = tuple(disturbed[one] for one in errors if one in disturbed)
+    proof = LawProof(name, full["w"], name, disturbed["hold"], clock, model_box=box)
     return [("law", proof.words)]
 
 

@@ -19,6 +19,8 @@ class LawProof:
         hold_s: longest proved time between two ticks [s].
         clock: whether one of the ticks has to be at each touchdown.
         reason: why the proof is not about this law; None if it is.
+        model_box: largest errors of the robot's masses [1], centres of mass [m] and inertias [1];
+            empty if the proof is about the file's robot alone.
     """
 
     law: str
@@ -27,6 +29,7 @@ class LawProof:
     hold_s: float
     clock: Clock
     reason: str | None = None
+    model_box: tuple[float, ...] = ()
 
     @property
     def proved(self) -> bool:
@@ -41,7 +44,21 @@ class LawProof:
             return f"{name}: nothing is proved, {self.reason}"
         hold = f"{1e3 * self.hold_s:.7g}"
         clocks = {"touchdown": "one of them at each touchdown", "free": "wherever touchdowns lie"}
-        return f"{name}: proved for ticks at most {hold} ms apart, {clocks[self.clock]}"
+        words = f"{name}: proved for ticks at most {hold} ms apart, {clocks[self.clock]}"
+        return words + _robots(self.model_box)
+
+
+def _robots(box: tuple[float, ...]) -> str:
+    """Name the robots of a proof that is about others than the file's, too."""
+    if not box:
+        return ""
+    mass, com, inertia = box
+    sizes = {
+        f"masses by {100.0 * mass:.4g} %": mass,
+        f"centres of mass by {1e3 * com:.4g} mm": com,
+        f"inertias by {100.0 * inertia:.4g} %": inertia,
+    }
+    return f", on robots off by at most: {', '.join(word for word, size in sizes.items() if size)}"
 
 
 def summary_of(proofs: Sequence[LawProof]) -> str | None:

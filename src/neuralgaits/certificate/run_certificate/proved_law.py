@@ -77,7 +77,9 @@ def law_proofs(
             reason = _difference(run, controller, full, disturbed)
         law = controller.law
         width = law.bandwidth if isinstance(law, Fblin | ScheduledPd) else None
-        proofs.append(LawProof(name, width, subject.name, subject.hold_s, subject.clock, reason))
+        robots = disturbed.model_box
+        told = subject.name, subject.hold_s, subject.clock
+        proofs.append(LawProof(name, width, *told, reason, robots))
     return tuple(proofs)
 
 
