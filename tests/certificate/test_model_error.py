@@ -203,6 +203,9 @@ def test_each_margin_is_negative_where_its_bound_is_too_small():
         assert (length > 0.0).all()
         again = seen(*where, lists | {f"model_{name}": 0.999 * length})
         assert (again[output] < 0.0).all(), name
+    none = jnp.zeros(8)
+    with pytest.raises(ValueError, match="axes of shares of 3 types"):
+        model_margins(model, jnp.zeros(2), none, none, lists | {"model_axes": jnp.ones(10)})
     slopes = seen(jnp.array([0.001, 0.4]), jnp.zeros(8), lists)["disturbed/model-slopes"]
     assert (slopes >= 0.0).all() and slopes.shape == (2 * len(full.barriers),)
 
@@ -212,7 +215,7 @@ def _fitting(**changes):
     barriers = tuple(
         replace(barrier, sigma=60.0, reset=0.08, reset_slope=3.0) for barrier in SHAPE.barriers
     )
-    full = replace(SHAPE, least_radius=1e-3, gain=3.0, barriers=barriers)
+    full = replace(SHAPE, least_radius=1e-3, gain=3.0, barriers=barriers, weights=WEIGHTS)
     axes = tuple(
         1.001 * math.sqrt(5.0) * share
         for share in (2e-3, 1.002 * 4e-4, 1.002 * 4e-4, 2.004 * 1.6e-7, 1e-2)
@@ -220,7 +223,7 @@ def _fitting(**changes):
     own = {
         "model_box": BOX,
         "model_axes": axes,
-        "model_metric": (1.0, 0.0, 1.0),
+        "model_metric": tuple(float(i == j) for i in range(5) for j in range(i, 5)),
         "model_moves": (0.2, 0.01, 0.2, 30.0, 0.006),
         "model_moves_slope": (1.0, 0.1, 1.0, 100.0, 0.1),
         "model_pushes": (0.01, 1e-3, 0.01, 1.0, 1e-4),
@@ -251,6 +254,8 @@ def test_numbers_about_other_robots_that_fit_and_planted_falsity():
         "sqrt(V+) < radius": {"model_impacts": (0.01, 9e-3, 0.01, 7e-4, 0.07)},
         "five shares": {"torque_gains": (1.0,), "inertia_gains": (1.0,), "decay": 10.0},
         "triangular metric": {"model_metric": (1.0, 1.0)},
+        "over the coordinates": {"model_metric": (1.0, 0.0, 1.0)},
+        "bounds that are not negative": {"model_box": (2e-3, math.nan, 1e-2)},
     }
     for reason, changes in forged.items():
         broken = [s.claim for s in model_inequalities(*_fitting(**changes)) if not s.holds]
@@ -259,6 +264,18 @@ def test_numbers_about_other_robots_that_fit_and_planted_falsity():
         s.claim for s in model_inequalities(*_fitting(model_slopes=(9.0, 0.2, 0.2))) if not s.holds
     ]
     assert broken == ["level-lower: other robots: across impacts, sigma V+ < h(z+) - t"]
+    # Premises see most bounds by their squares, and others read them as they are.
+    for name in (*MODEL_LENGTHS, "model_slopes"):
+        for k, number in enumerate(getattr(own, name)):
+            for wrong in (-number, math.nan):
+                values = list(getattr(own, name))
+                values[k] = wrong
+                broken = [
+                    s.claim
+                    for s in model_inequalities(*_fitting(**{name: tuple(values)}))
+                    if not s.holds
+                ]
+                assert any("not negative" in claim for claim in broken), (name, k)
     fed = {"model_feeds": (1.1, 2e-3, 0.03, 2e-3, 2e-4)}
     assert any("feed < 1" in s.claim for s in model_inequalities(*_fitting(**fed)) if not s.holds)
     for name in (*MODEL_LENGTHS, "model_slopes"):
@@ -321,8 +338,8 @@ def test_a_law_that_is_proved_names_its_robots():
     )
     assert alone.words == words
     of_box = replace(alone, model_box=(2e-3, 4e-4, 0.0))
-    robots = ", on robots off by at most: masses by 0.2 %, centres of mass by 0.4 mm"
-    assert of_box.words == words + robots
+    robots = ", on robots with both legs alike that are off by at most: masses by 0.2 %, "
+    assert of_box.words == f"{words}{robots}centres of mass by 0.4 mm; by nothing else"
 
 
 def test_every_premise_is_needed_and_its_robots_are_named():

@@ -45,7 +45,7 @@ def test_level_5_evaluates_what_level_4_left(monkeypatch, target):
     calls = []
 
     def leaving(model, *given, evaluators, **how):
-        assert how == {"free_clock": True, "error": 0.25, "state_error": None}
+        assert how == {"free_clock": True, "error": 0.25, "state_error": None, "model_box": None}
         calls.append(evaluators)
         return "no set"
 

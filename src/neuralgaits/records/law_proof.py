@@ -58,7 +58,8 @@ def _robots(box: tuple[float, ...]) -> str:
         f"centres of mass by {1e3 * com:.4g} mm": com,
         f"inertias by {100.0 * inertia:.4g} %": inertia,
     }
-    return f", on robots off by at most: {', '.join(word for word, size in sizes.items() if size)}"
+    words = ", ".join(word for word, size in sizes.items() if size)
+    return f", on robots with both legs alike that are off by at most: {words}; by nothing else"
 
 
 def summary_of(proofs: Sequence[LawProof]) -> str | None:

@@ -238,16 +238,23 @@ def _words(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[str
     causes = {
         (False, False): "a wrong model or a measurement",
         (True, False): "a wrong model",
-        (False, True): "a measurement",
+        (False, True): "any other wrong model or a measurement",
         (True, True): "any other wrong model",
     }[known]
     return (
         *sentences,
-        "all along, the barrier functions are not negative on the robot itself, the contact force "
+        f"all along, the barrier functions {_read(disturbed)}, the contact force "
         "and every impulse stay in the friction cone, and the torques that are applied stay within "
         "the robot's limits: none saturates",
         f"which e {causes} makes is not part of this theorem",
     )
+
+
+def _read(disturbed: DisturbedConstants) -> str:
+    """State on which robot barrier functions are not negative."""
+    if disturbed.of_other_robots:
+        return "are not negative as read with the file's model"
+    return "are not negative on the robot itself"
 
 
 def _on_robots(disturbed: DisturbedConstants) -> str:

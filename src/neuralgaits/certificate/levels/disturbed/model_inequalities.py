@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from flint import arb
 
+from neuralgaits.certificate.levels.disturbed.model_theorem import MODEL_LENGTHS
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
 from neuralgaits.certificate.levels.full_order.inequalities import (
     Inequality,
@@ -15,7 +16,11 @@ from neuralgaits.certificate.levels.full_order.inequalities import (
     bound_at,
     inlet,
 )
-from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, joints_of
+from neuralgaits.certificate.levels.full_order.theorem import (
+    FullOrderConstants,
+    joints_of,
+    weighting,
+)
 
 
 class Affine(NamedTuple):
@@ -161,17 +166,10 @@ def model_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) 
     if not disturbed.of_other_robots:
         return []
     zero, one = arb(0), arb(1)
-    size = len(disturbed.model_metric)
-    triangle = joints_of(disturbed.model_metric) is not None and size > 0
-    if (
-        not triangle
-        or len(disturbed.model_axes) % 5
-        or disturbed.scheduled
-        or disturbed.hold == 0.0
-    ):
+    if not _fits(full, disturbed):
         claim = (
-            "other robots have five shares a type of link and a triangular metric, under held "
-            "exact linearisation"
+            "other robots have five shares a type of link, a triangular metric over the "
+            "coordinates and bounds that are not negative, under held exact linearisation"
         )
         return [Inequality(claim, one, zero)]
     most = most_error(full, disturbed).max(arb(disturbed.kick_peak))
@@ -210,6 +208,24 @@ def model_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) 
     return rows
 
 
+def _fits(full: FullOrderConstants, disturbed: DisturbedConstants) -> bool:
+    """Return whether lists have their lengths and signs. Premises see some bounds by squares only.
+
+    Others read the same bounds as they are, so that a negative one would give room.
+    """
+    joints, size = joints_of(full.weights), joints_of(disturbed.model_metric)
+    lists = (getattr(disturbed, name) for name in (*MODEL_LENGTHS, "model_slopes"))
+    # A comparison with NaN is false.
+    if not all(number >= 0.0 for numbers in lists for number in numbers):
+        return False
+    if not joints or size is None or size != joints + 1 or len(disturbed.model_axes) % 5:
+        return False
+    rows = weighting(disturbed.model_metric, size)
+    if not all(rows[i][i] * rows[i][i] > 0.0 for i in range(size)):
+        return False
+    return not disturbed.scheduled and disturbed.hold != 0.0
+
+
 def largest_shares(box: tuple[float, ...]) -> tuple[arb, ...]:
     """Bound the shares of a type of link: those of `robots.mjcf.link_shares`, in balls."""
     mass, com, inertia = map(arb, box)
@@ -226,9 +242,7 @@ def _share(disturbed: DisturbedConstants) -> arb:
 
 
 def _least_axis(disturbed: DisturbedConstants) -> arb:
-    """Return the least axis of shares that are not 0; negative where a share is."""
-    if not min(disturbed.model_box) >= 0.0:
-        return arb(-1)
+    """Return the least axis of shares that are not 0; 0 if all are."""
     types = len(disturbed.model_axes) // 5
     most = [share for share in largest_shares(disturbed.model_box) for _ in range(types)]
     pairs = zip(most, disturbed.model_axes, strict=True)
@@ -236,5 +250,5 @@ def _least_axis(disturbed: DisturbedConstants) -> arb:
 
 
 def _size(bound: float) -> arb:
-    """Return the absolute value of a constant that premises use only by its square."""
+    """Return the size of a bound; `_fits` refuses negative ones."""
     return abs(arb(bound))

@@ -20,6 +20,7 @@ from neuralgaits.certificate.levels.full_order.model_errors import (
     moves,
     output_curvature,
 )
+from neuralgaits.robots.mjcf.link_shares import LinkShares
 
 Lists = Mapping[str, Float[Array, " k"]]
 
@@ -40,7 +41,7 @@ def model_margins(
         before_impact: scaled outputs before an impact [rad]. [2m]
         lists: constants of the theorem, by name.
     """
-    units, still = Units(lists["model_axes"], lists["model_metric"]), jnp.zeros_like(xi)
+    units, still = _units(model, lists), jnp.zeros_like(xi)
     fed = feeds(model, u, xi, units)
     along = jax.jacfwd(lambda at: moves(model, u, at, units))(xi)
     landed = jax.jacfwd(lambda at: landings(model, u, at, units))(before_impact)
@@ -85,7 +86,7 @@ def taken_margins(
         peak: bound on |S e| at this phase [rad/s^2].
         left: margins of the file's robot: "contact", and each barrier's decrease by its name.
     """
-    units = Units(lists["model_axes"], lists["model_metric"])
+    units = _units(model, lists)
     own = moves(model, u, jnp.zeros(model.size), units).momentum
     drift = jnp.sqrt(jnp.sum(own * own)) + lists["model_moves_slope"][2] * bound
     drift = drift + lists["model_pushes"][2] * peak
@@ -96,6 +97,18 @@ def taken_margins(
         sides = jnp.stack([left[name] - slope * drift, left[name] + slope * drift])
         margins[f"disturbed/model-decrease {name}"] = sides
     return margins
+
+
+def _units(model: FullOrderModel, lists: Lists) -> Units:
+    """Return the units of shares. Raises: ValueError for lists that are not of this robot."""
+    n, types = model.robot.n, LinkShares.of(model.robot).types
+    axes, metric = lists["model_axes"], lists["model_metric"]
+    if len(axes) != 5 * types or len(metric) != n * (n + 1) // 2:
+        raise ValueError(
+            f"{len(axes)} axes of shares of {types} types of link, and a metric of {len(metric)} "
+            f"numbers over {n} coordinates"
+        )
+    return Units(axes, metric)
 
 
 def contact_taken(lists: Lists, bound: Scalar, peak: Scalar) -> Scalar:

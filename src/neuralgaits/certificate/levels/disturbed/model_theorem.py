@@ -39,14 +39,17 @@ def model_premises(
     first, last = full.ends
     tube, strip = ((first, 0.0), (last, 1.0)), ((full.guard_from, 0.0), (last, 1.0))
     start = (first, 0.0), (full.start_strip, 1.0)
-    bounded = {
-        tube: "moves moves-slope pushes feeds errors",
-        start: "slopes curvature",
-        strip: "impact impact-slope impulses",
-    }
+    # Until the first tick after an impact barriers' slopes are read, too: up to that phase.
+    kicked = (first, 0.0), (max(full.start_strip, kick_end), 1.0)
+    bounded = (
+        (tube, "moves moves-slope pushes feeds errors"),
+        (kicked, "slopes"),
+        (start, "curvature"),
+        (strip, "impact impact-slope impulses"),
+    )
     required = [
         Premise(f"disturbed/model-{name}", *box, sign="not negative")
-        for box, names in bounded.items()
+        for box, names in bounded
         for name in names.split()
     ]
     required += [
