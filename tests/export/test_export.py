@@ -71,7 +71,7 @@ def test_a_gait_without_a_proof_is_exported_with_a_warning(exported, tmp_path, c
     answer["levels"][1]["reason"] = "time was up"
     file.write_text(json.dumps(answer))
     refuted, _, undecided = warnings()
-    assert all(fact in refuted for fact in ("refuted", "knee", "0.0125 m", "14.25 kg m^2/s"))
+    assert all(fact in refuted for fact in ("refuted", "knee", "0.0125 m", "14.25 kg m²/s"))
     assert "level 3 is not proved" in undecided and "time was up" in undecided
     (proved.path / "certificate" / "proof.json").unlink()
     (one,) = warnings()
