@@ -1,7 +1,10 @@
 """Level 5 by force: the rigid model under torques that are held between ticks."""
 
+from dataclasses import replace
+
 import pytest
 
+from neuralgaits.certificate.level_target import ControlAssumption
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
 from neuralgaits.certificate.levels.disturbed.push_inequalities import inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
@@ -25,18 +28,18 @@ def test_no_walk_leaves_the_set_while_torques_are_held(trained, free_clock, leas
     """With a tick at each touchdown; and on a clock that runs on through touchdowns."""
     model = model_of(trained, W)
     looks = evaluators_of(model)
-    shape = set_of(model, pushed=True, widest=True, free_clock=free_clock, evaluators=looks)
+    control = ControlAssumption(free_clock=free_clock)
+    shape = set_of(model, pushed=True, widest=True, control=control, evaluators=looks)
     assert isinstance(shape, FullOrderConstants), shape
-    found = find_disturbed(evaluators_in_norm(model, shape, looks), shape, free_clock=free_clock)
+    found = find_disturbed(evaluators_in_norm(model, shape, looks), shape, control)
     assert isinstance(found, DisturbedConstants), found
     assert found.hold > least
     # The set shrinks nearly as fast as pushed outputs do: the strip behind phase 1 is narrow.
     (shrinks,) = (s for s in inequalities(shape, found) if "the slope of N" in s.claim)
     assert float(shrinks.left) > 0.9 * float(shrinks.right)
     # A torque that is off when it is set may be held for less long, and still fits.
-    erring = find_disturbed(
-        evaluators_in_norm(model, shape, looks), shape, free_clock=free_clock, error=ERROR
-    )
+    off = replace(control, error=ERROR)
+    erring = find_disturbed(evaluators_in_norm(model, shape, looks), shape, off)
     assert isinstance(erring, DisturbedConstants), erring
     assert erring.error == ERROR and 0.3 * found.hold < erring.hold < found.hold
     assert all(step.holds for step in inequalities(shape, erring))

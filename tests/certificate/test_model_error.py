@@ -43,6 +43,7 @@ from neuralgaits.certificate.levels.full_order.sample_evaluators import (
     evaluators_in_norm,
     evaluators_of,
 )
+from neuralgaits.certificate.levels.full_order.share_bounds import largest_shares
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants
 from neuralgaits.records.law_proof import LawProof
 from neuralgaits.robots import dynamics
@@ -210,6 +211,23 @@ def test_each_margin_is_negative_where_its_bound_is_too_small():
     assert (slopes >= 0.0).all() and slopes.shape == (2 * len(full.barriers),)
 
 
+def test_shares_of_a_box_are_bounded():
+    box = 0.02, 0.003, 0.05
+    most = largest_shares(*box)
+    random = np.random.default_rng(1)
+    for mass, along, across, inertia in random.uniform(-1.0, 1.0, (200, 4)) * (
+        0.02,
+        3e-3,
+        3e-3,
+        0.05,
+    ):
+        heavier = 1.0 + mass
+        shares = mass, heavier * along, heavier * across, heavier * (along**2 + across**2), inertia
+        assert (np.abs(shares) <= np.array(most) + 1e-15).all()
+    corner = 1.02 * 2 * 3e-3**2
+    np.testing.assert_allclose(most, [0.02, 1.02 * 3e-3, 1.02 * 3e-3, corner, 0.05])
+
+
 def _fitting(**changes):
     """Constants about other robots that fit together, in numbers of the size that gaits have."""
     barriers = tuple(
@@ -237,8 +255,9 @@ def _fitting(**changes):
         "model_peaks": (0.3, 0.011),
     }
     rows = tuple(DisturbedBarrier(barrier.name, 1.0, 1e-3, 0.05) for barrier in barriers)
+    peak = changes.pop("peak", (0.5, 0.0))
     return full, DisturbedConstants(
-        (0.4, 0.0), (0.5, 0.0), 1e-3, 0.0, 100.0, 1e3, 1.0, rows, **{**own, **changes}
+        (0.4, 0.0), peak, 1e-3, 0.0, 100.0, 1e3, 1.0, rows, **{**own, **changes}
     )
 
 
@@ -343,10 +362,18 @@ def test_a_law_that_is_proved_names_its_robots():
 
 
 def test_every_premise_is_needed_and_its_robots_are_named():
-    full, own = _fitting()
+    full, own = _fitting(peak=(0.6, 0.0))
     names = [p for p in premises(full, own) if "/model-" in p.output]
     bounds = {(p.output, p.low, p.high): 0.1 for p in premises(full, own)}
+    done = conclude_disturbed(full, own, bounds)
+    assert done.verdict == "proved", done.reason
+    robots = "masses off by a share of at most 0.002, centres of mass by at most 0.0004 m along"
+    assert robots in " ".join(done.words)
     for premise in names:
         missing = {k: v for k, v in bounds.items() if k[0] != premise.output}
         done = conclude_disturbed(full, own, missing)
         assert done.verdict == "undecided" and premise.output in (done.reason or "")
+    # Until the next tick after an impact phases are beyond the start's strip.
+    free = replace(own, kick_end=2.0 * full.start_strip)
+    (slopes,) = (p for p in premises(full, free) if p.output == "disturbed/model-slopes")
+    assert slopes.high == (free.kick_end, 1.0)

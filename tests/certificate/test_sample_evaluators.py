@@ -44,8 +44,8 @@ def test_a_function_is_traced_when_it_is_called_first(monkeypatch, target):
 def test_level_5_evaluates_what_level_4_left(monkeypatch, target):
     calls = []
 
-    def leaving(model, *given, evaluators, **how):
-        assert how == {"free_clock": True, "error": 0.25, "state_error": None, "model_box": None}
+    def leaving(model, *given, evaluators, control):
+        assert control is target.control
         calls.append(evaluators)
         return "no set"
 
@@ -53,7 +53,7 @@ def test_level_5_evaluates_what_level_4_left(monkeypatch, target):
     target = replace(target, control=control, shared={})
     monkeypatch.setattr(full_order, "set_of", leaving)
     assert full_order.FullOrderSearch().find(target, {}) == "no set"
-    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full, **how: looks)
+    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, *given: looks)
     monkeypatch.setattr(disturbed, "evaluators_in_norm", lambda model, full, looks: (looks, {}))
     found, _ = disturbed.DisturbedSearch().find(target, {4: SimpleNamespace(bandwidth=30.0)})
     assert found[0] is calls[0] is target.shared[4]

@@ -132,7 +132,7 @@ class CertifySettings(Settings):
         if self.state_error is not None:
             self._check_state_error(self.state_error)
         if self.model_error is not None:
-            model_triple(self.model_error)
+            errors_of_model(self.model_error)
             self._check_fblin("an error of the model")
         if self.bandwidth is None:
             return
@@ -161,7 +161,7 @@ class CertifySettings(Settings):
         return HIGHEST_OF_MANY if self.level is None else self.level
 
 
-def model_triple(box: Mapping[str, float] | None) -> tuple[float, float, float] | None:
+def errors_of_model(box: Mapping[str, float] | None) -> tuple[float, float, float] | None:
     """Return errors of masses, centres of mass [m] and inertias; None for the file's robot.
 
     Raises: InputError for other kinds of parameters.

@@ -16,7 +16,7 @@ from neuralgaits.certificate.run_certificate.scope import Scope
 from neuralgaits.errors import InputError
 from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.settings import CertifySettings, called_with
-from neuralgaits.settings.certify_settings import model_triple
+from neuralgaits.settings.certify_settings import errors_of_model
 from neuralgaits.settings.forms import LEARNED
 from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import ProgressCallbacks
@@ -59,7 +59,7 @@ def certify_alone(trained: Run, settings: CertifySettings) -> CertifyResult:
         settings.controller == "scheduled-pd",
         float(settings.error),
         settings.state_error,
-        model_triple(settings.model_error),
+        errors_of_model(settings.model_error),
     )
     proof = prove_run(trained, scope, disturbance, control, effort)
     try:

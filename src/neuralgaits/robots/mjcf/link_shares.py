@@ -5,6 +5,7 @@ first moments, second moment and inertia. So their slopes at the file's robot ar
 other one. Source: Khalil and Dombre (2002), chapter 9, on base inertial parameters.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -24,7 +25,11 @@ KINDS = "mass", "com", "inertia"
 
 
 class LinkShares(NamedTuple):
-    """Slopes in the shares of `RobotFamily.with_shares`, K = 5T of them.
+    """Slopes in shares of the links, K = 5T of them for T types of link.
+
+    Those of all types together: of mass; of mass times the offset of the centre of mass along the
+    link and across it [m]; of mass times the offset squared [m^2], each over the file's mass; and
+    of the inertia, over the file's.
 
     Attributes:
         family: robots like one from a file.
@@ -97,17 +102,14 @@ class LinkShares(NamedTuple):
 
         return of(self.family.nominal), self._slopes(of)
 
-    def _slopes(self, function) -> Array:
+    def _slopes(self, function: Callable[[PlanarBiped], Array]) -> Array:
         none = jnp.zeros(5 * self.types)
-        return jax.jacfwd(lambda shares: function(self.family.with_shares(shares)))(none)
+        return jax.jacfwd(lambda shares: function(self._robot(shares)))(none)
 
-
-def largest_shares(box: tuple[float, float, float]) -> np.ndarray:
-    """Return bounds on the shares of a type of link, in the order of `with_shares`. [5].
-
-    Args:
-        box: errors of mass [1], of the centre of mass along and across [m] and of inertia [1].
-    """
-    mass, com, inertia = box
-    heavier = 1.0 + mass
-    return np.array([mass, heavier * com, heavier * com, 2.0 * heavier * com * com, inertia])
+    def _robot(self, shares: Float[Array, " K"]) -> PlanarBiped:
+        """Return the robot that differs by these shares: its constants are linear in them."""
+        family, robot, count = self.family, self.family.nominal, self.types
+        moments, inertia = shares[: 4 * count].reshape(4, count), shares[4 * count :]
+        moments = family.masses[None, :] * (moments + np.eye(4)[0][:, None])
+        more = robot.inertia * (1.0 + inertia[np.array(family.link)])
+        return family.with_features(jnp.ravel(moments), moments[0], True, more)

@@ -176,24 +176,10 @@ class RobotFamily(eqx.Module):
             more = jnp.concatenate([np.zeros(1, p.dtype), rotor[np.array(self.joint)]])
             armature = robot.armature * (1.0 + more)
         across = "com" in self.kinds or robot.coupling_phase is not None
-        made = self._with_features(features, masses, across, inertias)
+        made = self.with_features(features, masses, across, inertias)
         return made if rotor is None else eqx.tree_at(lambda r: r.armature, made, armature)
 
-    def with_shares(self, shares: Float[Array, " 5T"]) -> PlanarBiped:
-        """The robot whose links differ by these shares of their masses: its constants are linear.
-
-        Args:
-            shares: of each type of link, added to its mass, to its mass times the offset of the
-                centre of mass along and across [m] and times the offset squared [m^2], each over
-                the file's mass; then to its inertia, over the file's. [5T]
-        """
-        count = len(self.masses)
-        moments, inertia = shares[: 4 * count].reshape(4, count), shares[4 * count :]
-        moments = self.masses[None, :] * (moments + np.eye(4)[0][:, None])
-        more = self.nominal.inertia * (1.0 + inertia[np.array(self.link)])
-        return self._with_features(jnp.ravel(moments), moments[0], True, more)
-
-    def _with_features(
+    def with_features(
         self,
         features: Float[Array, " f"],
         masses: Float[Array, " T"],

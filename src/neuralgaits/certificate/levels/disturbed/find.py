@@ -5,24 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from neuralgaits._digits import at_least
-from neuralgaits.certificate.level_target import grid
-from neuralgaits.certificate.levels.disturbed.find_model import (
-    model_bounds,
-)
-from neuralgaits.certificate.levels.disturbed.find_state import (
-    DIGITS,
-    largest,
-    state_bounds,
-)
+from neuralgaits.certificate.level_target import USUAL_CONTROL, ControlAssumption, grid
+from neuralgaits.certificate.levels.disturbed.find_model import model_bounds
+from neuralgaits.certificate.levels.disturbed.find_state import DIGITS, largest, state_bounds
 from neuralgaits.certificate.levels.disturbed.hold_bounds import HoldBounds
 from neuralgaits.certificate.levels.disturbed.push_inequalities import inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
-from neuralgaits.certificate.levels.full_order.held import (
-    Held,
-)
-from neuralgaits.certificate.levels.full_order.inequalities import (
-    obstacle,
-)
+from neuralgaits.certificate.levels.full_order.held import Held
+from neuralgaits.certificate.levels.full_order.inequalities import obstacle
 from neuralgaits.certificate.levels.full_order.norm_plans import LONGEST
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
@@ -32,26 +22,16 @@ from neuralgaits.gait.scheduled_gains import ScheduledGains
 def find_disturbed(
     evaluators: SampleEvaluators,
     full: FullOrderConstants,
-    *,
-    free_clock: bool = False,
+    control: ControlAssumption = USUAL_CONTROL,
     gains: ScheduledGains | None = None,
-    error: float = 0.0,
-    state_error: tuple[float, float] | None = None,
-    model_box: tuple[float, float, float] | None = None,
 ) -> DisturbedConstants | str:
     """Return the longest hold and the largest push that points allow in the set, or why none.
 
     Args:
         evaluators: functions that evaluate the gait, in the set's norm.
         full: the set.
-        free_clock: whether ticks may miss touchdowns.
+        control: assumptions about the controller. Its error is apart from a measured state's.
         gains: gains of scheduled PD, if that is the law that the functions are of.
-        error: bound on |S e| of torques when they are set, apart from a measured state's
-            [rad/s^2].
-        state_error: bounds on errors of the angles and rates that torques are computed from
-            (rad, rad/s).
-        model_box: errors of the file's masses [1], centres of mass [m] and inertias [1]; None if
-            the robot is the file's.
     """
     if full.least_radius <= 0.0:
         return (
@@ -59,15 +39,15 @@ def find_disturbed(
             "outputs inside it: no set with a least radius was found for this gait"
         )
     u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
-    state = state_bounds(evaluators, full, u, state_error)
-    model = model_bounds(evaluators, full, u, model_box)
-    sampled = HoldBounds(evaluators, full, u, free_clock, error + state.error, model)
+    state = state_bounds(evaluators, full, u, control.state_error)
+    model, free_clock = model_bounds(evaluators, full, u, control.model_box), control.free_clock
+    sampled = HoldBounds(evaluators, full, u, free_clock, control.error + state.error, model)
     if not sampled.gamma > 0.0:
         return "under this law V is not shown to fall"
     hold = largest(LONGEST, lambda hold: sampled.stands(hold, sampled.held(hold)))
     hold = float(at_least(hold, DIGITS))
     if hold == 0.0 and (free_clock or state.error or model):
-        return _no_hold(free_clock, sampled.error, model_box)
+        return _no_hold(control, sampled.error)
     held = sampled.held(hold) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
     # Any more that the floor bears; under exact linearisation a hold's mean does not decide it.
     more = 0.0 if sampled.exact and hold > 0.0 else sampled.most(held.push[1]) - held.push[0]
@@ -93,14 +73,14 @@ def find_disturbed(
     return "; ".join(broken) if broken else disturbed
 
 
-def _no_hold(free_clock: bool, error: float, box: tuple[float, ...] | None) -> str:
+def _no_hold(control: ControlAssumption, error: float) -> str:
     """Explain why torques cannot be held at all in a set."""
-    if box is not None:
+    if control.model_box is not None:
         return (
             "what other robots' masses and centres of mass add between impacts and in them does "
             "not fit into the set: give a smaller --model-error, or another --bandwidth"
         )
-    if free_clock:
+    if control.free_clock:
         return "what a torque held through an impact adds to outputs does not fit into the set"
     return f"torques with |S e| = {error:.4g} rad/s^2 when they are set cannot be held in this set"
 

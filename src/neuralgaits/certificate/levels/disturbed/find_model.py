@@ -1,6 +1,6 @@
 """Find bounds on the effect of other robots by evaluating points. Nothing here is trusted."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,20 +9,22 @@ from neuralgaits._digits import at_most
 from neuralgaits._types import Float
 from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.disturbed.find_state import ABOVE, DIGITS, axes_of_errors
-from neuralgaits.certificate.levels.disturbed.model_margins import contact_taken
-from neuralgaits.certificate.levels.disturbed.model_theorem import MODEL_LENGTHS
+from neuralgaits.certificate.levels.disturbed.model_margins import contact_taken, momentum_drift
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
+from neuralgaits.certificate.levels.full_order.model_errors import Landed, Moves
+from neuralgaits.certificate.levels.full_order.model_samples import FED
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators, Samples, sphere
+from neuralgaits.certificate.levels.full_order.share_bounds import largest_shares
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
-from neuralgaits.robots.mjcf.link_shares import largest_shares
 
+MOVES, LANDED = Moves._fields, Landed._fields
 ROOM, ROOM_OF_ERRORS = 1.04, 1.3
 """Bounds as multiples of the largest values seen."""
 ROOMS_OF_SLOPES = 1.25, 1.6, 1.1, 1.8, 1.1
 ROOMS_OF_PUSHES = 1.45, 2.2, 1.1, 2.2, 1.1
 ROOMS_OF_FEEDS = 1.45, 1.6, 1.1, 1.8, 1.1
 ROOMS_OF_IMPACT_SLOPES = 3.3, 11.6, 1.15, 4.4, 1.2
-"""The same of each number of a list: so wide are enclosures on boxes of 1/800 of the tube."""
+"""Such multiples for each number of a list. Enclosures on 1/800 of the tube are so wide."""
 
 
 def model_bounds(
@@ -49,54 +51,58 @@ def model_bounds(
     seen = _seen(evaluators.model, u, bound, evaluators.size)
     landed = _seen(evaluators.landed, strip, full.guard_radius, evaluators.size)
     types = seen["momentum"].shape[1] // 5
-    off = np.repeat(largest_shares(box), types)
+    off = np.repeat(np.array(largest_shares(*box)), types)
     axes = _axes(seen, landed, off)
     metric = _metric(evaluators, full)
     seen, landed = _in_metric(seen, metric), _in_metric(landed, metric)
 
-    def bound_of(samples: Samples, name: str, room: float, scaled: int | None = None) -> float:
-        values = samples[name]
-        if scaled is not None:
-            shape = [1] * values.ndim
-            shape[scaled] = len(axes)
-            values = values * axes.reshape(shape)
-        size = np.sqrt((values**2).reshape(len(values), -1).sum(axis=1).max())
-        return float(at_most(room * float(size), DIGITS))
-
-    moves = {"acceleration": 2, "output": 2, "momentum": 1, "growth": 2, "contact": 2}
-    fed = {"acceleration": 2, "output": 2, "momentum": 1, "pace": 1, "contact": 2}
-    impacts = {"rates": 2, "output": 2, "momentum": 1, "pace": 1, "impulse": 2}
     still, at_rest = _first(seen, len(u)), _first(landed, len(strip))
-
-    def bounds(
-        samples: Samples, kind: str, names: Mapping[str, int], rooms: tuple[float, ...]
-    ) -> tuple[float, ...]:
-        pairs = zip(names.items(), rooms, strict=True)
-        return tuple(bound_of(samples, name + kind, room, k) for (name, k), room in pairs)
-
     slopes = ROOM * np.abs(seen["barriers"]).max(axis=0)
+    (fed,) = _bounds(landed, axes, ("impulse/fed",), (ROOM_OF_ERRORS,))
     return {
         "model_box": tuple(map(float, box)),
         "model_axes": tuple(axes.tolist()),
         "model_metric": tuple(float(x) for i, row in enumerate(metric) for x in row[i:]),
-        "model_moves": bounds(still, "", moves, (ROOM,) * 5),
-        "model_moves_slope": bounds(seen, "/slope", moves, ROOMS_OF_SLOPES),
-        "model_pushes": bounds(seen, "/push", moves, ROOMS_OF_PUSHES),
-        "model_feeds": bounds(seen, "/fed", fed, ROOMS_OF_FEEDS),
+        "model_moves": _bounds(still, axes, MOVES, (ROOM,) * 5),
+        "model_moves_slope": _bounds(seen, axes, _all(MOVES, "slope"), ROOMS_OF_SLOPES),
+        "model_pushes": _bounds(seen, axes, _all(MOVES, "push"), ROOMS_OF_PUSHES),
+        "model_feeds": _bounds(seen, axes, _all(FED, "fed"), ROOMS_OF_FEEDS),
         "model_errors": tuple(
-            bound_of(seen, name, ROOM_OF_ERRORS) for name in ("error", "error/push", "force")
+            _bound(seen[name], ROOM_OF_ERRORS) for name in ("error", "error/push", "force")
         ),
         "model_slopes": tuple(float(at_most(float(slope), DIGITS)) for slope in slopes),
         "model_curvature": tuple(
-            bound_of(seen, name, 1.3) for name in ("curvature/mixed", "curvature")
+            _bound(seen[name], ROOM_OF_ERRORS) for name in ("curvature/mixed", "curvature")
         ),
-        "model_impacts": bounds(at_rest, "", impacts, (ROOM,) * 5),
-        "model_impacts_slope": bounds(landed, "/slope", impacts, ROOMS_OF_IMPACT_SLOPES),
-        "model_impulses": (
-            bound_of(landed, "force", ROOM_OF_ERRORS),
-            bound_of(landed, "impulse/fed", ROOM_OF_ERRORS, 2),
-        ),
+        "model_impacts": _bounds(at_rest, axes, LANDED, (ROOM,) * 5),
+        "model_impacts_slope": _bounds(landed, axes, _all(LANDED, "slope"), ROOMS_OF_IMPACT_SLOPES),
+        "model_impulses": (_bound(landed["force"], ROOM_OF_ERRORS), fed),
     }
+
+
+def _all(names: Sequence[str], kind: str) -> list[str]:
+    return [f"{name}/{kind}" for name in names]
+
+
+def _bounds(
+    samples: Samples, axes: np.ndarray, names: Sequence[str], rooms: tuple[float, ...]
+) -> tuple[float, ...]:
+    """Return bounds on effects of shares in units of their axes, with room for each."""
+    found = []
+    for name, room in zip(names, rooms, strict=True):
+        values = samples[name]
+        # Effects on z2 and on the rate of z1 are single numbers: shares come first there.
+        place = 1 if name.split("/")[0] in ("momentum", "pace") else 2
+        shape = [1] * values.ndim
+        shape[place] = len(axes)
+        found.append(_bound(values * axes.reshape(shape), room))
+    return tuple(found)
+
+
+def _bound(values: np.ndarray, room: float) -> float:
+    """Return the largest Frobenius norm of some arrays, with room."""
+    size = np.sqrt((values**2).reshape(len(values), -1).sum(axis=1).max())
+    return float(at_most(room * float(size), DIGITS))
 
 
 def _first(samples: Samples, count: int) -> Samples:
@@ -149,7 +155,7 @@ def _axes(seen: Samples, landed: Samples, off: np.ndarray) -> np.ndarray:
 
 
 class TakenByModel(NamedTuple):
-    """What other robots take of barriers' rates at n points.
+    """Losses of contact and of barriers' rates to other robots, at n points.
 
     Attributes:
         momentum: what shares add to the rate of z2 where outputs are zero [N m]. [n]
@@ -163,20 +169,18 @@ class TakenByModel(NamedTuple):
         """Return what is taken of each slack of contact, given the bound on sqrt(V). [n, 1]."""
         if not constants.of_other_robots:
             return 0.0 * bound[:, None]
-        lists = {name: np.array(getattr(constants, name)) for name in MODEL_LENGTHS}
-        peak = constants.peak[0] + constants.peak[1] * bound
-        taken: Any = contact_taken(lists, bound, peak)  # pyright: ignore[reportArgumentType]
-        return taken[:, None]
+        return contact_taken(vars(constants), bound, _peak(constants, bound))[:, None]
 
     def of_barriers(self, constants: DisturbedConstants, bound: np.ndarray) -> np.ndarray:
         """Return what is taken of barriers' rates, given the bound on sqrt(V). [n, I]."""
         if not constants.of_other_robots:
             return self.barriers
-        peak = constants.peak[0] + constants.peak[1] * bound
-        drift = self.momentum + constants.model_moves_slope[2] * bound
-        drift = drift + constants.model_pushes[2] * peak
-        drift = drift + constants.model_feeds[2] * constants.model_peaks[0]
-        return self.barriers * drift[:, None]
+        peak = _peak(constants, bound)
+        return self.barriers * momentum_drift(vars(constants), self.momentum, bound, peak)[:, None]
+
+
+def _peak(constants: DisturbedConstants, bound: np.ndarray) -> np.ndarray:
+    return constants.peak[0] + constants.peak[1] * bound
 
 
 def taken_by_model(

@@ -10,14 +10,8 @@ from flint import arb
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.level_target import grid
-from neuralgaits.certificate.levels.disturbed.find_model import (
-    taken_by_model,
-    with_peaks,
-)
-from neuralgaits.certificate.levels.disturbed.find_state import (
-    ABOVE,
-    DIGITS,
-)
+from neuralgaits.certificate.levels.disturbed.find_model import taken_by_model, with_peaks
+from neuralgaits.certificate.levels.disturbed.find_state import ABOVE, DIGITS
 from neuralgaits.certificate.levels.disturbed.model_inequalities import (
     barrier_landed,
     error_drift,
@@ -44,11 +38,7 @@ from neuralgaits.certificate.levels.full_order.held import (
     rest_bound,
     slope_bound,
 )
-from neuralgaits.certificate.levels.full_order.inequalities import (
-    after_impact,
-    bound_at,
-    inlet,
-)
+from neuralgaits.certificate.levels.full_order.inequalities import after_impact, bound_at, inlet
 from neuralgaits.certificate.levels.full_order.norm_plans import GAINS
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
@@ -186,14 +176,14 @@ class HoldBounds:
             errors = jerk.kicked(first, hold, full.bandwidth, full.radius)
             peak = float(at_most(errors.peak, DIGITS))
             jerk = self._fed(arb(peak))
-        beside = (
-            float(output_drift(constants).at(arb(peak), arb(full.radius)).upper()) / self.factor
-            + self.rest
-        )
+        beside = self._drift(constants, arb(peak)) + self.rest
         return Kick(errors.first, peak, 0.5 * (errors.first + peak) + beside)
 
     def constants(self, hold: float, held: Held, kick: Kick = NO_KICK) -> DisturbedConstants:
-        """Return the constants of a hold without those of barriers, and of a kick but its peak."""
+        """Return the constants of a hold without those of barriers and of a kick.
+
+        Where other robots are allowed, with the kick's peak, which bounds their effects.
+        """
         error, full = self.error if hold else 0.0, self.full
         constants = DisturbedConstants(
             held.push, held.peak, hold, error, *self.jerk[:3], barriers=self.unset
@@ -205,6 +195,11 @@ class HoldBounds:
         more = more_acceleration(constants).at(most, arb(full.radius))
         more_landed = landed(full, constants)
         return replace(constants, **with_peaks(float(more.upper()), float(more_landed.upper())))
+
+    def _drift(self, constants: DisturbedConstants, most: arb) -> float:
+        """Bound what other robots add to the rate of sqrt(V), in the unit of |S e| [rad/s^2]."""
+        drift = output_drift(constants).at(most, arb(self.full.radius))
+        return float(drift.upper()) / self.factor
 
     def _bears(self, hold: float, kick: Kick) -> bool:
         """Return whether the set holds what an impact adds until the next tick."""
@@ -247,19 +242,13 @@ class HoldBounds:
     def barriers(self, hold: float, held: Held, kick: Kick) -> tuple[DisturbedBarrier, ...] | None:
         """Return the constants of each barrier; None if a barrier or the forces leave no room."""
         peak = (1.0 + SPENT) * (held.peak[0] + held.peak[1] * self.bound)
-        if any((peak[:, None] * forces.push >= forces.left).any() for forces in self.forces):
-            return None
         constants = self.constants(hold, held, kick)
-        of_model = self.taken.of_contact(constants, self.bound)
-        if (
-            (1.0 + SPENT) * of_model + peak[:, None] * self.forces[0].push >= self.forces[0].left
-        ).any():
-            return None
-        error = most_error(self.full, constants)
+        taken = (1.0 + SPENT) * self.taken.of_contact(constants, self.bound), 0.0
+        for forces, more in zip(self.forces, taken, strict=True):
+            if (peak[:, None] * forces.push + more >= forces.left).any():
+                return None
         most = held.push[0] + held.push[1] * self.full.radius
-        most += (
-            float(output_drift(constants).at(error, arb(self.full.radius)).upper()) / self.factor
-        )
+        most += self._drift(constants, most_error(self.full, constants))
         most = max(most, 0.5 * self.gamma * hold * kick.mean)
         rows = tuple(self._barrier(k, most, constants) for k in range(len(self.full.barriers)))
         return None if None in rows else rows  # pyright: ignore[reportReturnType]

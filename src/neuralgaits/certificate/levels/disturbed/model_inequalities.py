@@ -8,7 +8,13 @@ from typing import NamedTuple
 
 from flint import arb
 
-from neuralgaits.certificate.levels.disturbed.model_theorem import MODEL_LENGTHS
+from neuralgaits.certificate.levels.disturbed.model_theorem import (
+    GROWTH,
+    MODEL_LENGTHS,
+    MOMENTUM,
+    OUTPUT,
+    PACE,
+)
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
 from neuralgaits.certificate.levels.full_order.inequalities import (
     Inequality,
@@ -16,6 +22,7 @@ from neuralgaits.certificate.levels.full_order.inequalities import (
     bound_at,
     inlet,
 )
+from neuralgaits.certificate.levels.full_order.share_bounds import largest_shares
 from neuralgaits.certificate.levels.full_order.theorem import (
     FullOrderConstants,
     joints_of,
@@ -40,10 +47,6 @@ class Affine(NamedTuple):
 
 
 NOTHING = Affine(arb(0), arb(0), arb(0))
-OUTPUT, MOMENTUM, GROWTH = 1, 2, 3
-"""Places in the lists of moves; those of feeds and impacts have the same first three."""
-PACE, IMPULSE = 3, 4
-"""Places in the lists of feeds and impacts, and of impacts."""
 
 
 def more_acceleration(disturbed: DisturbedConstants) -> Affine:
@@ -226,27 +229,23 @@ def _fits(full: FullOrderConstants, disturbed: DisturbedConstants) -> bool:
     return not disturbed.scheduled and disturbed.hold != 0.0
 
 
-def largest_shares(box: tuple[float, ...]) -> tuple[arb, ...]:
-    """Bound the shares of a type of link: those of `robots.mjcf.link_shares`, in balls."""
-    mass, com, inertia = map(arb, box)
-    heavier = 1 + mass
-    return mass, heavier * com, heavier * com, 2 * heavier * com**2, inertia
-
-
 def _share(disturbed: DisturbedConstants) -> arb:
     """Return the largest sum of squared shares over squared axes: 1 on the ellipsoid's surface."""
-    types = len(disturbed.model_axes) // 5
-    most = [share for share in largest_shares(disturbed.model_box) for _ in range(types)]
-    pairs = zip(most, disturbed.model_axes, strict=True)
-    return sum(((share / arb(axis)) ** 2 for share, axis in pairs if share > 0), arb(0))
+    return sum(((share / arb(axis)) ** 2 for share, axis in _shares_and_axes(disturbed)), arb(0))
 
 
 def _least_axis(disturbed: DisturbedConstants) -> arb:
     """Return the least axis of shares that are not 0; 0 if all are."""
+    return arb(min((axis for _, axis in _shares_and_axes(disturbed)), default=0.0))
+
+
+def _shares_and_axes(disturbed: DisturbedConstants) -> list[tuple[arb, float]]:
+    """Return the largest of each share, with its axis, but for shares that are 0."""
     types = len(disturbed.model_axes) // 5
-    most = [share for share in largest_shares(disturbed.model_box) for _ in range(types)]
+    largest = largest_shares(*map(arb, disturbed.model_box))
+    most = [share for share in largest for _ in range(types)]
     pairs = zip(most, disturbed.model_axes, strict=True)
-    return arb(min((axis for share, axis in pairs if share > 0), default=0.0))
+    return [(share, axis) for share, axis in pairs if share > 0]
 
 
 def _size(bound: float) -> arb:

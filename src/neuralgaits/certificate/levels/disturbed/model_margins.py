@@ -5,14 +5,16 @@ wide, so what shares add is bounded where outputs are zero, and its slope in xi 
 """
 
 from collections.abc import Mapping
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.certificate.levels.disturbed.model_theorem import CONTACT, IMPULSE, MOMENTUM
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel, Outputs, Quantities
 from neuralgaits.certificate.levels.full_order.model_errors import (
-    Units,
+    ShareUnits,
     barrier_slopes,
     feeds,
     impulse_feeds,
@@ -22,7 +24,7 @@ from neuralgaits.certificate.levels.full_order.model_errors import (
 )
 from neuralgaits.robots.mjcf.link_shares import LinkShares
 
-Lists = Mapping[str, Float[Array, " k"]]
+Lists = Mapping[str, Any]
 
 
 def model_margins(
@@ -86,11 +88,8 @@ def taken_margins(
         peak: bound on |S e| at this phase [rad/s^2].
         left: margins of the file's robot: "contact", and each barrier's decrease by its name.
     """
-    units = _units(model, lists)
-    own = moves(model, u, jnp.zeros(model.size), units).momentum
-    drift = jnp.sqrt(jnp.sum(own * own)) + lists["model_moves_slope"][2] * bound
-    drift = drift + lists["model_pushes"][2] * peak
-    drift = drift + lists["model_feeds"][2] * lists["model_peaks"][0]
+    own = moves(model, u, jnp.zeros(model.size), _units(model, lists)).momentum
+    drift = momentum_drift(lists, jnp.sqrt(jnp.sum(own * own)), bound, peak)
     margins = {"disturbed/model-contact": left["contact"] - contact_taken(lists, bound, peak)}
     barriers = [name for name in left if name != "contact"]
     for name, slope in zip(barriers, barrier_slopes(model, u), strict=True):
@@ -99,7 +98,7 @@ def taken_margins(
     return margins
 
 
-def _units(model: FullOrderModel, lists: Lists) -> Units:
+def _units(model: FullOrderModel, lists: Lists) -> ShareUnits:
     """Return the units of shares. Raises: ValueError for lists that are not of this robot."""
     n, types = model.robot.n, LinkShares.of(model.robot).types
     axes, metric = lists["model_axes"], lists["model_metric"]
@@ -108,20 +107,33 @@ def _units(model: FullOrderModel, lists: Lists) -> Units:
             f"{len(axes)} axes of shares of {types} types of link, and a metric of {len(metric)} "
             f"numbers over {n} coordinates"
         )
-    return Units(axes, metric)
+    return ShareUnits(axes, metric)
 
 
-def contact_taken(lists: Lists, bound: Scalar, peak: Scalar) -> Scalar:
-    """Bound what other robots take of each slack of contact [body weights]."""
-    fed = lists["model_feeds"][4] + lists["model_errors"][2]
-    first = lists["model_moves"][4] + lists["model_moves_slope"][4] * bound
-    return first + lists["model_pushes"][4] * peak + fed * lists["model_peaks"][0]
+def momentum_drift(lists: Lists, still: Any, bound: Any, peak: Any) -> Any:
+    """Bound what other robots add to the rate of z2, given that at zero outputs [N m].
+
+    Numbers and arrays alike.
+    """
+    drift = still + lists["model_moves_slope"][MOMENTUM] * bound
+    drift = drift + lists["model_pushes"][MOMENTUM] * peak
+    return drift + lists["model_feeds"][MOMENTUM] * lists["model_peaks"][0]
+
+
+def contact_taken(lists: Lists, bound: Any, peak: Any) -> Any:
+    """Bound what other robots take of each slack of contact [body weights].
+
+    Numbers and arrays alike.
+    """
+    fed = lists["model_feeds"][CONTACT] + lists["model_errors"][2]
+    first = lists["model_moves"][CONTACT] + lists["model_moves_slope"][CONTACT] * bound
+    return first + lists["model_pushes"][CONTACT] * peak + fed * lists["model_peaks"][0]
 
 
 def impulse_margin(lists: Lists, impulse: Float[Array, "3"], radius: Scalar) -> Quantities:
     """Return slacks of the impulse on the file's robot less what other robots take [N s]."""
     fed = lists["model_impulses"][0] + lists["model_impulses"][1]
-    taken = lists["model_impacts"][4] + lists["model_impacts_slope"][4] * radius
+    taken = lists["model_impacts"][IMPULSE] + lists["model_impacts_slope"][IMPULSE] * radius
     return {"disturbed/model-impulse": impulse - taken - fed * lists["model_peaks"][1]}
 
 

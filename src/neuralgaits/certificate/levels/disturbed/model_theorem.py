@@ -22,6 +22,10 @@ MODEL_LENGTHS = {
     "model_peaks": 2,
 }
 """How many numbers each list has."""
+OUTPUT, MOMENTUM, GROWTH, CONTACT = 1, 2, 3, 4
+"""Places in lists of moves and pushes. Those of feeds and impacts have the first two, too."""
+PACE, IMPULSE = 3, 4
+"""Places in lists of feeds and impacts, and of impacts; the last of feeds is that of contact."""
 MODEL_SERIES = ("model_axes", "model_metric", "model_slopes", *list(MODEL_LENGTHS)[1:])
 """Lists that margins read."""
 

@@ -24,16 +24,7 @@ class DisturbedSearch(LevelSearch):
         full = parameters[4]
         model = FullOrderModel(target.zd.robot, target.gait, target.spec, full.bandwidth)
         evaluators = evaluators_in_norm(model, full, target.shared.get(4))
-        free, gains = target.control.free_clock, target.gains
-        constants = find_disturbed(
-            evaluators,
-            full,
-            free_clock=free,
-            gains=gains,
-            error=target.control.error,
-            state_error=target.control.state_error,
-            model_box=target.control.model_box,
-        )
+        constants = find_disturbed(evaluators, full, target.control, target.gains)
         return constants if isinstance(constants, str) else (constants, {})
 
     def margins(self, point: PremisePoint) -> Margins:

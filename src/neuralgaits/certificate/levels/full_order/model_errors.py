@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.certificate.levels.full_order.measured_state import (
@@ -37,12 +36,10 @@ from neuralgaits.robots.mjcf.link_shares import LinkShares
 
 Chart = Float[Array, "2"]
 """Phase and level."""
-FED = "acceleration", "output", "momentum", "pace", "contact"
-"""Names of `Feeds` that are slopes in Q ddq."""
 
 
 class Moves(NamedTuple):
-    """What K shares add between impacts, in one state under exact torques.
+    """Effects of K shares between impacts, in one state under exact torques.
 
     Attributes:
         acceleration, output, momentum: to Q ddq [n, K], to the rate of xi [2m, K] (rad/s) and to
@@ -83,7 +80,7 @@ class Feeds(NamedTuple):
 
 
 class Landed(NamedTuple):
-    """What K shares add in an impact.
+    """Effects of K shares in an impact.
 
     Attributes:
         rates, output, momentum, pace: to Q dq [n, K], to xi [2m, K] (rad), to z2 [K] (kg m^2/s) and
@@ -98,7 +95,7 @@ class Landed(NamedTuple):
     impulse: Float[Array, "3 K *more"]
 
 
-class Units(NamedTuple):
+class ShareUnits(NamedTuple):
     """Units of shares and of accelerations.
 
     Attributes:
@@ -115,17 +112,19 @@ class Units(NamedTuple):
         return jnp.stack([unweighted(self.metric, column) for column in columns], axis=1)
 
 
-def moves(model: FullOrderModel, u: Chart, xi: Outputs, units: Units) -> Moves:
+def moves(model: FullOrderModel, u: Chart, xi: Outputs, units: ShareUnits) -> Moves:
     """Return what shares add in a state of the set."""
     return _in_state(model, u, xi, units)[0]
 
 
-def feeds(model: FullOrderModel, u: Chart, xi: Outputs, units: Units) -> Feeds:
+def feeds(model: FullOrderModel, u: Chart, xi: Outputs, units: ShareUnits) -> Feeds:
     """Return what feeds the effects of shares in a state of the set."""
     return _in_state(model, u, xi, units)[1]
 
 
-def _in_state(model: FullOrderModel, u: Chart, xi: Outputs, units: Units) -> tuple[Moves, Feeds]:
+def _in_state(
+    model: FullOrderModel, u: Chart, xi: Outputs, units: ShareUnits
+) -> tuple[Moves, Feeds]:
     point, shares = model.point(u, xi), LinkShares.of(model.robot)
     q, dq, ddq = point.q, point.dq, point.ddq
     scale, unit = units.shares, units.inverse(len(q))
@@ -177,20 +176,20 @@ def _in_state(model: FullOrderModel, u: Chart, xi: Outputs, units: Units) -> tup
     )
 
 
-def landings(model: FullOrderModel, u: Chart, xi: Outputs, units: Units) -> Landed:
+def landings(model: FullOrderModel, u: Chart, xi: Outputs, units: ShareUnits) -> Landed:
     """Return what shares add at an impact in a state."""
     return _at_impact(model, u, xi, units)[0]
 
 
 def impulse_feeds(
-    model: FullOrderModel, u: Chart, xi: Outputs, units: Units
+    model: FullOrderModel, u: Chart, xi: Outputs, units: ShareUnits
 ) -> tuple[Float[Array, "3 n"], Float[Array, "3 K n"]]:
     """Return slopes in Q dq after an impact of the impulse's slacks, and of their slopes."""
     return _at_impact(model, u, xi, units)[1]
 
 
 def _at_impact(
-    model: FullOrderModel, u: Chart, xi: Outputs, units: Units
+    model: FullOrderModel, u: Chart, xi: Outputs, units: ShareUnits
 ) -> tuple[Landed, tuple[Array, Array]]:
     point, shares = model.point(u, xi), LinkShares.of(model.robot)
     after, landed = point.impact, state_after_impact(point)
@@ -247,46 +246,6 @@ def output_curvature(
     at = position_of(point.dz), momentum_of(point.z)
     in_momentum = jax.jacfwd(outputs, 1)
     return jax.jacfwd(in_momentum, 0)(*at), jax.jacfwd(in_momentum, 1)(*at)
-
-
-def sampled_effects(model: FullOrderModel, u: Chart, xi: Outputs) -> dict[str, Array]:
-    """Return moves, feeds and curvature of unit shares by name, slopes of moves in xi, and D."""
-    units = _ones(model)
-    own, fed = _in_state(model, u, xi, units)
-    mixed, twice = output_curvature(model, u, xi)
-    along = jax.jacfwd(lambda xi: moves(model, u, xi, units))(xi)
-    return {
-        **own._asdict(),
-        **{f"{name}/slope": part for name, part in along._asdict().items()},
-        **{f"{name}/push": part for name, part in fed.moves._asdict().items()},
-        **{f"{name}/fed": part for name, part in fed._asdict().items() if name in FED},
-        "error": fed.error,
-        "error/push": fed.error_push,
-        "force": fed.force,
-        "curvature/mixed": mixed,
-        "curvature": twice,
-        "barriers": barrier_slopes(model, u),
-        "mass": model.robot.mass_matrix(model.point(u, xi).q),
-    }
-
-
-def sampled_impacts(model: FullOrderModel, u: Chart, xi: Outputs) -> dict[str, Array]:
-    """Return landings of unit shares by name, their slopes in xi, and feeds of the impulse."""
-    units = _ones(model)
-    own, (force, fed) = _at_impact(model, u, xi, units)
-    along = jax.jacfwd(lambda xi: landings(model, u, xi, units))(xi)
-    return {
-        **own._asdict(),
-        **{f"{name}/slope": part for name, part in along._asdict().items()},
-        "force": force,
-        "impulse/fed": fed,
-    }
-
-
-def _ones(model: FullOrderModel) -> Units:
-    n = model.robot.n
-    unit = np.concatenate([np.eye(n)[i, i:] for i in range(n)])
-    return Units(jnp.ones(5 * LinkShares.of(model.robot).types), jnp.asarray(unit))
 
 
 def _weighted(weights: Weights, slopes: Float[Array, "n K k"]) -> Float[Array, "n K k"]:

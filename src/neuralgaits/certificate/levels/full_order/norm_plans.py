@@ -142,6 +142,8 @@ class NormPlans:
             self.kick = first @ matrix.T, matrix @ along @ inverse_pair, matrix @ more @ inverse
         self.model = ModelRoom.of(samples, matrix, pair)
         self.jerk = self.jerk._replace(still=self.jerk.still + self.model.growth)
+        # Errors of the law itself, and the drift of sqrt(V) by other robots, in their unit.
+        self.beside = self.rest + self.model.drift / self.factor
         # Four times the largest pace, in which outputs off zero have a part, bounds the shrinking.
         pace = samples.pace * (4.08 * 1.04 if held else 4.25 * 1.1)
         self.shrink, self.strip = self.gamma / pace, STRIP_OF_HELD if held else STRIP
@@ -167,20 +169,18 @@ class NormPlans:
         if slower <= 0.2:
             return none
         left = math.exp(-slower * self.shrink * self.strip**2)
-        growth = max(self.gain, 1.1) / full
+        growth, landed = max(self.gain, 1.1) / full, self.model.landed / full
         if growth * left >= 0.9:
             return none
         radius, kick = 0.0, Kick()
         for _ in range(4 if self.kick else 1):  # What an impact adds depends on the radius.
             kick = self._kicked(hold, bounds, floor + (radius - floor) * left, radius)
-            landed = self.model.landed / full
             radius = (growth * floor * (1.0 - left) + landed) / (1.0 - growth * left)
             if self.kick:
-                mean = kick.mean + self.rest + self.model.drift / self.factor
-                added = self.factor * hold * mean / full
+                added = self.factor * hold * (kick.mean + self.beside) / full
                 decayed = math.exp(-0.5 * self.gamma * hold) * growth
-                added += decayed / growth * landed
-                kicked = (decayed * floor * (1.0 - left) + added) / (1.0 - decayed * left)
+                least = floor * (1.0 - left) + landed / growth
+                kicked = (decayed * least + added) / (1.0 - decayed * left)
                 radius = max(radius, kicked)
         if radius > self.largest:
             return none
@@ -201,7 +201,7 @@ class NormPlans:
         before = floor + (radius - floor) * math.exp(-slower * self.shrink * self.strip**2)
         push = bounds.push[0] + bounds.push[1] * radius + self.model.drift / self.factor
         if self.kick:
-            push = max(push, 0.5 * self.gamma * hold * (kick.mean + self.rest))
+            push = max(push, 0.5 * self.gamma * hold * (kick.mean + self.beside))
         sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.samples.inlet)))
         if 0.0 in sigma:
             return none
@@ -215,16 +215,10 @@ class NormPlans:
             return slower, 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
         grown, slope = self.jerk.halves(hold, bounds)
         shares = hold_shares(self.w, hold, slope)
-        # Other robots add w^2 sqrt(5)/2 times their drift to the jerk of the outputs.
-        grown += 0.5 * hold * 0.5 * math.sqrt(5.0) * self.w**2 * self.model.drift
+        grown += 0.5 * hold * self.model.jerk(self.w)
         floor = 1.02 * shares.floor * (grown + self.error) / self.w**2
-        angle = self.w * hold
-        longer = angle + math.sqrt(1.0 + angle * angle)
-        left = shares.shrink - 1.7 * longer * self.model.slope
-        if left <= 0.0:
-            return 0.0, math.inf
-        floor = floor * shares.shrink / left + 1.02 * longer * self.model.drift / left
-        return min(0.99 * 2.0 * left / self.gamma, 1.0), floor
+        floor, shrink = self.model.floor_and_shrink(floor, shares.shrink, self.w, hold)
+        return min(0.99 * 2.0 * shrink / self.gamma, 1.0), floor
 
     def _hold_bounds(self, hold: float) -> Held:
         """Bound errors of a hold, that of the law at xi = 0 included."""
@@ -282,7 +276,6 @@ class NormPlans:
         """
         c, read = self.coupling[:, i], self.reading[i]
         value = 0.97 * (self.samples.rate.value[:, i] + GAINS[:, None] * self.samples.h[:, i])
-        with_model = value - self.model.barriers[:, i]
         rest = self.gamma - GAINS
         middle = c.max() / (2.0 * self.factor * push)
         sigma = np.concatenate(
@@ -295,7 +288,7 @@ class NormPlans:
         lost = (c + 2.0 * sigma[:, None, None] * self.factor * push) ** 2 / (
             4.0 * sigma[:, None, None] * rest[:, None]
         )
-        room = (with_model - lost).min(axis=2) - GAINS * tight[:, None]
+        room = (value - self.model.barriers[:, i] - lost).min(axis=2) - GAINS * tight[:, None]
         # Level 4 takes the least rate and the largest coupling, wherever each is.
         still = 0.94 * value.min(axis=1) - c.max() ** 2 * 1.1 / (4.0 * sigma[:, None] * rest)
         still = (still - GAINS * tight[:, None]).max(axis=1)

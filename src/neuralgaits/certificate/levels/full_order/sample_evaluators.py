@@ -9,7 +9,7 @@ import numpy as np
 
 from neuralgaits._types import Array
 from neuralgaits.certificate.chart import PLANE, Corner
-from neuralgaits.certificate.level_target import grid
+from neuralgaits.certificate.level_target import USUAL_CONTROL, ControlAssumption, grid
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
@@ -18,7 +18,7 @@ from neuralgaits.certificate.levels.full_order.measured_state import (
     weighted_error_slopes,
 )
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.model_errors import sampled_effects, sampled_impacts
+from neuralgaits.certificate.levels.full_order.model_samples import sampled_effects, sampled_impacts
 from neuralgaits.certificate.levels.full_order.norm import find_plan, find_widest
 from neuralgaits.certificate.levels.full_order.norm_plans import Plan
 from neuralgaits.certificate.levels.full_order.samples import (
@@ -51,10 +51,7 @@ def set_of(
     pushed: bool = False,
     widest: bool = False,
     *,
-    free_clock: bool = False,
-    error: float = 0.0,
-    state_error: tuple[float, float] | None = None,
-    model_box: tuple[float, float, float] | None = None,
+    control: ControlAssumption = USUAL_CONTROL,
     evaluators: SampleEvaluators | None = None,
 ) -> FullOrderConstants | str:
     """Return the largest set tried whose constants fit together, or a sentence with the reason.
@@ -63,12 +60,7 @@ def set_of(
         model: model of the gait.
         pushed: try sets for a disturbance first (level 5), in a norm of their own and with a floor.
         widest: try the largest set first, in a norm of its own, and accept more boxes.
-        free_clock: leave room in pushed sets for torques held through an impact.
-        error: leave room in them for torques that are off by |S e| when they are set [rad/s^2].
-        state_error: leave room in them for torques of states that are off by that much in each
-            angle and each rate (rad, rad/s).
-        model_box: leave room in them for robots whose masses [1], centres of mass [m] and inertias
-            [1] are off by that much.
+        control: assumptions about the controller, for which pushed sets have room.
         evaluators: `evaluators_of` the model, made here if they are not given.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
@@ -76,9 +68,7 @@ def set_of(
     evaluators = evaluators or evaluators_of(model)
     reason = ""
     w = float(model.bandwidth)
-    samples = None
-    if pushed or widest:
-        samples = sample_gait(evaluators, free_clock, state_error, model_box)
+    samples = sample_gait(evaluators, control) if pushed or widest else None
     half_width = SMALL
     plan_shares = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # Shares of the plan that are tried in turn.
     if widest:
@@ -86,7 +76,7 @@ def set_of(
         plan_shares = tuple(np.round(np.arange(1.0, 0.14, -0.025), 3).tolist())
     plan = None
     if samples is not None:
-        plan = find_plan(samples, w, error) if pushed else find_widest(samples, w)
+        plan = find_plan(samples, w, control.error) if pushed else find_widest(samples, w)
     if plan is not None and plan.hold > 0.0 and plan.planned.exact:
         # Bounds are close to what points show there; under another law they are wider.
         plan_shares = (1.0, 0.95, 0.9, *plan_shares)
@@ -179,24 +169,6 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         quantities |= {"fall": slopes.fall, "foot/slope": slopes.foot}
         return quantities | {"drift": model.at_crossing(u)[1]}
 
-    def pushed(u, xi):
-        def forces(push):
-            quantities = model.in_step(model.point(u, xi[:-m], push))
-            return {"contact": quantities["contact"], "torque": quantities["torque"]}
-
-        def growth(xi, push):
-            return law.growth(model.point(u, xi), u, push)
-
-        def of_law(xi):
-            return law.error(model.point(u, xi), u)
-
-        at, push = xi[:-m], xi[-m:]
-        values = {f"{name}/push": d for name, d in jax.jacfwd(forces)(push).items()}
-        values |= {"law": of_law(at), "law/slope": jax.jacfwd(of_law)(at)}
-        slopes = jax.jacfwd(growth)(at, push), jax.jacfwd(growth, 1)(at, push)
-        pushed = slopes[1] - 2.0 * model.bandwidth * jnp.eye(m)
-        return values | {"jerk": growth(at, push), "jerk/slope": slopes[0], "jerk/push": pushed}
-
     def kick(u, xi):
         def error(xi, push):
             return law.after_impact(model.point(u, xi), u, push)
@@ -205,7 +177,7 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         slopes = jax.jacfwd(error)(xi, none), jax.jacfwd(error, 1)(xi, none)
         return {"kick": error(xi, none), "kick/slope": slopes[0], "kick/push": slopes[1]}
 
-    off = _evaluator(pushed, size + m)
+    off = _evaluator(partial(_pushed, model, law), size + m)
     errors = _evaluator(partial(_sensed, model), size)
     return SampleEvaluators(
         _evaluator(step, size),
@@ -217,6 +189,28 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
         _evaluator(partial(sampled_effects, model), size),
         _evaluator(partial(sampled_impacts, model), size),
     )
+
+
+def _pushed(model: FullOrderModel, law: OutputLaw, u, xi) -> dict[str, Array]:
+    """Return what errors of torques change, by name; the last elements of xi are an error."""
+    m = model.size // 2
+    at, push = xi[:-m], xi[-m:]
+
+    def forces(push):
+        quantities = model.in_step(model.point(u, at, push))
+        return {"contact": quantities["contact"], "torque": quantities["torque"]}
+
+    def growth(xi, push):
+        return law.growth(model.point(u, xi), u, push)
+
+    def of_law(xi):
+        return law.error(model.point(u, xi), u)
+
+    values = {f"{name}/push": d for name, d in jax.jacfwd(forces)(push).items()}
+    values |= {"law": of_law(at), "law/slope": jax.jacfwd(of_law)(at)}
+    slopes = jax.jacfwd(growth)(at, push), jax.jacfwd(growth, 1)(at, push)
+    pushed = slopes[1] - 2.0 * model.bandwidth * jnp.eye(m)
+    return values | {"jerk": growth(at, push), "jerk/slope": slopes[0], "jerk/push": pushed}
 
 
 def _sensed(model: FullOrderModel, u, xi) -> dict[str, Array]:
@@ -233,10 +227,7 @@ def _with_slopes(values: Mapping[str, Array], slopes: Mapping[str, Array]) -> di
 
 
 def sample_gait(
-    evaluators: SampleEvaluators,
-    free_clock: bool = False,
-    state_error: tuple[float, float] | None = None,
-    model_box: tuple[float, float, float] | None = None,
+    evaluators: SampleEvaluators, control: ControlAssumption = USUAL_CONTROL
 ) -> GaitSamples | None:
     """Evaluate the points that a search for a norm needs; None if the gait has no set at all."""
     levels = np.linspace(0.0, 1.0, 5)
@@ -277,9 +268,9 @@ def sample_gait(
         phase=phase,
         pace=float(step["pace"].max()),
         inertia=inertia,
-        kick=_kicks(evaluators, levels) if free_clock else None,
-        sensed=None if state_error is None else sensed_errors(evaluators, u, state_error),
-        model=None if model_box is None else model_samples(evaluators, u, impact, model_box),
+        kick=_kicks(evaluators, levels) if control.free_clock else None,
+        sensed=sensed_errors(evaluators, u, control.state_error),
+        model=model_samples(evaluators, u, impact, control.model_box),
     )
 
 

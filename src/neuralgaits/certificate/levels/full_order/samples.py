@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots.mjcf.link_shares import largest_shares
+from neuralgaits.certificate.levels.full_order.model_samples import ModelSamples, effects_in_norm
 
 Samples = Mapping[str, np.ndarray]
 SampleEvaluator = Callable[[Float[np.ndarray, "n 2"], Float[np.ndarray, "n k"]], Samples]
@@ -29,8 +29,8 @@ class SampleEvaluators:
             in a push.
         sensed: slopes in (q, dq) of the error of a constant torque [n, m, 2n], its own in that
             error [n, m, 2n, m], of phase and level [n, 2, 2n] and of xi [n, 2m, 2n].
-        model: `ModelEffects` of links that are not the file's, by name, and "curvature".
-        landed: `ImpactEffects` of these.
+        model: effects of links that are not the file's, see `sampled_effects`.
+        landed: effects of these in an impact, see `sampled_impacts`.
     """
 
     step: SampleEvaluator
@@ -84,23 +84,11 @@ class SampleEvaluators:
 
         def converted_effects(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
             assert effects is not None
-            samples, pair = dict(effects(u, xi @ inverse_pair.T)), doubled(matrix)
-            for name in samples:
-                rows = {"output": pair, "curvature": pair, "growth": matrix, "error": matrix}
-                if (own := rows.get(name.split("/")[0])) is not None:
-                    samples[name] = np.einsum("ij,nj...->ni...", own, samples[name])
-                last = {"push": inverse, "slope": inverse_pair}.get(name.split("/")[-1])
-                samples[name] = samples[name] if last is None else samples[name] @ last
-            return samples
+            return effects_in_norm(effects(u, xi @ inverse_pair.T), matrix)
 
         def converted_landed(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
             assert landed is not None
-            samples = landed(u, xi @ inverse_pair.T)
-            along = {n: d @ inverse_pair for n, d in samples.items() if n.endswith("/slope")}
-            samples = {**samples, **along}
-            for name in ("output", "output/slope"):
-                samples[name] = np.einsum("ij,nj...->ni...", doubled(matrix), samples[name])
-            return samples
+            return effects_in_norm(landed(u, xi @ inverse_pair.T), matrix)
 
         return replace(
             self,
@@ -177,58 +165,40 @@ class GaitSamples:
     inertia: np.ndarray
     kick: WithPushSlopes | None = None
     sensed: np.ndarray | None = None
-    model: "ModelSamples | None" = None
+    model: ModelSamples | None = None
 
 
-class ModelSamples(NamedTuple):
-    """Effects of other robots' shares, each as large as allowed, in plain coordinates xi.
+def sensed_errors(
+    evaluators: SampleEvaluators, u: np.ndarray, state_error: tuple[float, float] | None
+) -> np.ndarray | None:
+    """Return what an error of each angle and rate alone adds to ddy [rad/s^2]. [n, m, 2n].
 
-    Attributes:
-        output, momentum: what they add to the rate of xi [n, 2m, K] and to that of z2 [n, K].
-        along: slope in xi of the former. [n, K, 2m, 2m]
-        growth: what they add to that of e under held torques. [n, m, K]
-        barriers: slope of each barrier in z2. [n, I]
-        landed, landed_momentum: what they add in an impact to xi [q, 2m, K] and to z2 [q, K].
+    None for the true state.
     """
-
-    output: np.ndarray
-    along: np.ndarray
-    momentum: np.ndarray
-    growth: np.ndarray
-    barriers: np.ndarray
-    landed: np.ndarray
-    landed_momentum: np.ndarray
+    if state_error is None:
+        return None
+    assert evaluators.sensed is not None
+    slopes = evaluators.sensed(u)["error"]
+    return slopes * np.repeat(state_error, slopes.shape[2] // 2)
 
 
 def model_samples(
     evaluators: SampleEvaluators,
     u: np.ndarray,
     impact: np.ndarray,
-    box: tuple[float, float, float],
-) -> ModelSamples:
-    """Return the effects of robots of a box at points of the step and at impacts."""
+    box: tuple[float, float, float] | None,
+) -> ModelSamples | None:
+    """Return the effects of robots of a box at points of the step and at impacts.
+
+    None for the file's robot.
+    """
+    if box is None:
+        return None
     assert evaluators.model is not None and evaluators.landed is not None
     seen = evaluators.model(u, np.zeros((len(u), evaluators.size)))
-    after = evaluators.landed(impact, np.zeros((len(impact), evaluators.size)))
-    off = np.repeat(largest_shares(box), seen["momentum"].shape[1] // 5)
-    return ModelSamples(
-        seen["output"] * off,
-        np.moveaxis(seen["output/slope"], 2, 1) * off[:, None, None],
-        seen["momentum"] * off,
-        seen["growth"] * off,
-        seen["barriers"],
-        after["output"] * off,
-        after["momentum"] * off,
+    return ModelSamples.of(
+        seen, evaluators.landed(impact, np.zeros((len(impact), evaluators.size))), box
     )
-
-
-def sensed_errors(
-    evaluators: SampleEvaluators, u: np.ndarray, state_error: tuple[float, float]
-) -> np.ndarray:
-    """Return what an error of each angle and rate alone adds to ddy [rad/s^2]. [n, m, 2n]."""
-    assert evaluators.sensed is not None
-    slopes = evaluators.sensed(u)["error"]
-    return slopes * np.repeat(state_error, slopes.shape[2] // 2)
 
 
 def doubled(matrix: np.ndarray) -> np.ndarray:

@@ -37,10 +37,7 @@ class FullOrderSearch(LevelSearch):
                 model,
                 target.disturbed,
                 control.bandwidth is not None,
-                free_clock=control.free_clock,
-                error=control.error,
-                state_error=control.state_error,
-                model_box=control.model_box,
+                control=control,
                 evaluators=evaluators,
             )
         except SpecError as error:  # The levels below read less of the robot.
